@@ -84,7 +84,7 @@ def finish(axes: Axes, result: Result, label: str, legend: bool = True) -> None:
     for time, _ in inside:
         axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
     labelled = list(dict.fromkeys(inside)) if len(set(inside)) * _columns(axes) <= _EVENT_LABELS else []
-    _label_events(axes, [((time - left) / (right - left), name) for time, name in labelled])
+    label_events(axes, [((time - left) / (right - left), name) for time, name in labelled])
     axes.set_xlabel("time, s")
     axes.set_ylabel(label)
     labels = axes.get_legend_handles_labels()[1]
@@ -160,7 +160,7 @@ def spread(places: Sequence[float], widths: Sequence[float]) -> list[float]:
     return found
 
 
-def _label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
+def label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
     """Names of events, at parts of the width, side by side above the axes and joined to their marks."""
     letter = _LETTER * _columns(axes)
     centres = spread([place for place, _ in events], [letter * (len(name) + 1) for _, name in events])
