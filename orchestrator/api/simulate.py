@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from h5py import is_hdf5
 
 from fmus import Backend
 
 from ..cosim.ports import Order
+from ..results.result import ResultError
 from ..run.progress import Progress
 from ..run.run import MasterKind
 from ..run.simulation import Options
@@ -42,11 +45,28 @@ def load(
     scene: SceneLike,
     variant: Names = (),
     settings: Mapping[str, object] | Sequence[Setting] = (),
+) -> Any:  # noqa: ANN401 - what a file holds decides
+    """A scene by its name or file, or one built in code, with variants and single values laid over it; or a result.
+
+    scene: the file of a result gives a `Result`, as `Result.open` does, everything else a `Scene`. variant: one or
+    several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}. SceneError with everything
+    that is wrong with a scene, ResultError for a damaged result, or one with variants or settings.
+    """
+    if not isinstance(scene, Scene) and is_hdf5(scene):
+        if variant or settings:
+            raise ResultError(f"{scene}: variants and settings change a scene; leave them out for a result")
+        return Result.open(scene)
+    return as_scene(scene, variant, settings)
+
+
+def as_scene(
+    scene: SceneLike,
+    variant: Names = (),
+    settings: Mapping[str, object] | Sequence[Setting] = (),
 ) -> Scene:
     """A scene by its name or file, or one built in code, with variants and single values laid over it.
 
-    variant: one or several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}.
-    SceneError with everything that is wrong with it.
+    SceneError with everything that is wrong with it, also where it is a result.
     """
     if isinstance(scene, Scene):
         found = scene.with_variants(*listed(variant)).with_settings(settings)
@@ -105,7 +125,7 @@ def simulate(
     What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
     """
-    loaded = load(scene)
+    loaded = as_scene(scene)
     options = replace(
         options_of(rigid, flexible, large_deformation, until, tolerance),
         step=in_si(step, "s", "step"),
@@ -168,7 +188,7 @@ def check_scene(
     from ..analysis.scene_check import check_scene as look_at
 
     try:
-        chosen = load(scene, variant, settings)
+        chosen = as_scene(scene, variant, settings)
         checked = chosen.check_one_run()
         if problems := chosen.variant_problems():
             raise SceneError(problems)

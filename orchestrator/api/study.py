@@ -20,14 +20,14 @@ from ..messages import message
 from ..results.signal import matches
 from ..scene.builder import Names, listed
 from .quantities import Quantity
-from .simulate import SceneLike, load, options_of
+from .simulate import SceneLike, as_scene, options_of
 from .warnings import warn
 
 
 class Study(Record):
     """What a study found; `study` returns one, `Study.open` reads one.
 
-    `parameters`, `numbers`, `latched` and `signals` are arrays over the samples by name, `units` their units, `failed`
+    `parameters`, `numbers`, `opened` and `signals` are arrays over the samples by name, `units` their units, `failed`
     says which samples did not come to their end, and why.
     """
 
@@ -72,7 +72,8 @@ def study(
 
     vary: distributions by key, such as {"friction.coefficient": "uniform(0.05, 0.2)"}; a key that ends in * is
     multiplied by what is drawn, keys with commas between get the same. Distributions are uniform, normal,
-    truncated_normal, lognormal, triangular and values. method: "latin-hypercube", "random", "sobol", "sobol-indices",
+    truncated_normal, lognormal, triangular and values; "lognormal(0.15 N.m, 40 %)" has its mean and its coefficient of
+    variation. method: "latin-hypercube", "random", "sobol", "sobol-indices",
     "grid", "one-at-a-time" or "corners", the last two between bounds, or three standard deviations. runs, seed: of
     random methods, which draw the same on every machine. levels: of a grid. workers: processes; cluster: address of a
     Dask scheduler instead. rigid ... tolerance: as for `simulate`. estimate: errors of headline numbers in every run.
@@ -85,7 +86,7 @@ def study(
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
-    task = Task(load(scene), options, estimate, listed(signals), points)
+    task = Task(as_scene(scene), options, estimate, listed(signals), points)
     _tell_of_unknown_signals(task)
     found = begin(task, plan, None if save is None else Path(save), workers, cluster, progress or _silent)
     return Study.of_record(found)

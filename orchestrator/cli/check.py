@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 @scene_options
 @large_deformation_option
 @click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the picture of a scene."
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for the picture of a scene.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, of a scene.")
 @click.option("--run/--no-run", default=True, help="Whether FMUs make two steps, in a process of their own.")

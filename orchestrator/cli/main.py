@@ -41,12 +41,22 @@ class _Group(click.Group):
         except KeyboardInterrupt:  # outside of a run, which says itself how far it came
             problem = f"{ctx.invoked_subcommand}: {_INTERRUPTED}"
         except Exception as error:
-            if not isinstance(error, fanfold.FanfoldError):
+            if _was_interrupted(error):
+                problem = f"{ctx.invoked_subcommand}: {_INTERRUPTED}"
+            elif isinstance(error, fanfold.FanfoldError):
+                problem = str(error)
+            else:
                 raise
-            problem = str(error)
         for line in problem.splitlines():
             click.echo(f"fanfold: {line}", err=True)
         ctx.exit(1)
+
+
+def _was_interrupted(error: BaseException | None) -> bool:
+    """Whether an interruption caused an error: compiled libraries that are loading raise ImportError for it."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ if isinstance(error, ImportError) else None
+    return error is not None
 
 
 def _told_of_files(error: OSError) -> str:

@@ -47,7 +47,9 @@ class SceneChoice:
 
     def load(self) -> Scene:
         """The scene with its layers."""
-        return fanfold.load(self.scene, self.variants, self.settings)
+        from ..api.simulate import as_scene  # takes its time, which --help need not
+
+        return as_scene(self.scene, self.variants, self.settings)
 
 
 def ordered_names(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:

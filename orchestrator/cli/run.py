@@ -38,7 +38,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @backend_option
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
 @click.option("--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time in seconds.")
-@click.option("--output", type=OutputFile(), help="Result file (HDF5).")
+@click.option("-o", "--output", type=OutputFile(), help="Result file (HDF5).")
 @click.option(
     "--step", type=Seconds(min=1e-7), metavar="SECONDS", help="Fixed communication step size in seconds."
 )

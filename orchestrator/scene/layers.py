@@ -119,7 +119,8 @@ def _read(path: Path) -> Tree:
         if error.object.startswith(_HDF5):
             raise SceneError(
                 [
-                    f"{path.name}: is a result, and no scene; `fanfold plot`, `report` and `resume` take results"
+                    f"{path.name}: is a result, not a scene; use `fanfold plot`, `report` or `resume`, in Python "
+                    "`fanfold.load`"
                 ]
             ) from None
         raise SceneError(

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from components import ComponentError
-from components.contract.errors import unknown
+from components.contract.errors import nearest, unknown
 from components.contract.frames import Vector3
 from components.end_stop import OF_HINGE
 
@@ -156,13 +156,15 @@ def whole_tree(tree: Tree) -> Tree:
 
 def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
     """The scene of a tree, None where it has problems, and these."""
+    known = sorted({*TABLES, *ARRAYS})
+    mistyped = [key for key in tree if key not in known]
+    tree = _as_meant(tree, mistyped, known)
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
     reader = EntryReader(with_presets(whole), added)
     reader.note(loading.problems(_plugins(tree)))
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
-    known = sorted({*TABLES, *ARRAYS})
-    reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
+    reader.note(f"{key}: {unknown(key, known, 'table')}" for key in mistyped)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
     joint, friction = (
         reader.table("joint", Joint, required=False),
@@ -192,6 +194,12 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
         reader.note(buried_contacts(scene, points, poses, refused))
         reader.note(plugin_problems(scene, points, poses, refused))
     return None if reader.problems else scene, _told(reader.problems, unlike)
+
+
+def _as_meant(tree: Tree, mistyped: Sequence[str], known: Sequence[str]) -> Tree:
+    """The tree with mistyped tables under the names that are nearest, so that nothing is missing because of them."""
+    meant = {key: near for key in mistyped if (near := nearest(key, known)) and near not in tree}
+    return {meant.get(key, key): value for key, value in tree.items()}
 
 
 def _plugins(tree: Tree) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -88,13 +89,24 @@ def _carried_out(
         found = (
             map(lambda job: run_sample(task, *job), jobs) if here else carried_out(task, jobs, workers, pool)
         )
-        for sample in found:
-            samples.append(sample)
-            if journal is not None:
-                journal.append(sample)
-            failed += bool(sample.message)
-            show(len(samples), failed)
+        try:
+            for sample in found:
+                samples.append(sample)
+                if journal is not None:
+                    journal.append(sample)
+                failed += bool(sample.message)
+                show(len(samples), failed)
+        except (CancelledError, OSError) as error:
+            if cluster is None:
+                raise
+            raise StudyError(_lost_scheduler(cluster, journal)) from error
     return Study.of(asked, samples)
+
+
+def _lost_scheduler(address: str, journal: Journal | None) -> str:
+    """What has happened to a cluster, and how its study goes on."""
+    on = "begin it again" if journal is None else f"go on with `fanfold study {journal.study}`"
+    return f"{address}: the Dask scheduler no longer answers; {on}, with --cluster once it runs again"
 
 
 def _saved(output: Path, journal: Journal, study: Study) -> Study:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option("--body", required=True, metavar="BODY", help="The imported body.")
 @click.option(
-    "--output", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
     help="CSV file of all recorded times; by default BODY_outputs.csv in a folder named after RESULT.",
 )  # fmt: skip
 def command(result: Path, body: str, output: Path | None) -> None:

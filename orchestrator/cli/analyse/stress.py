@@ -68,7 +68,7 @@ def _circle(
     help="Leave out nodes nearer to rigid inserts, in m; their corners are singular.",
 )  # fmt: skip
 @click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False),
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False),
     help="Folder for table and pictures; by default named after RESULT.",
 )  # fmt: skip
 def command(

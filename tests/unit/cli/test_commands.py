@@ -16,9 +16,14 @@ import pytest
 from click.testing import CliRunner
 
 from components import LAGGED, REGISTRY
+from orchestrator.analysis.sampling.distributions import FORMS
+from orchestrator.cli import listing
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.scene import list_scenes
+from orchestrator.scene.builder import Scene
+from orchestrator.scene.keys.listing import tables_called
+from orchestrator.views.style import empty_figure, save_figure
 from tests.references.edits import edited
 
 ROOT = Path(__file__).parents[3]
@@ -90,7 +95,37 @@ def test_list_tells_all_of_a_component(kind):
 
 
 def test_list_of_what_is_no_component():
-    assert "there is no component 'damper'; components are" in " ".join(refused("list", "damper").split())
+    assert "did you mean latch" in " ".join(refused("list", "latsh").split())
+    assert "leave NAME out" in refused("list", "ccl", "--names")
+
+
+@pytest.mark.parametrize(
+    "name", ["hinge_line", "hinge_line.latch", "latch", "panel", "ccl", "frame", "damper"]
+)
+def test_list_shows_the_keys_of_a_table(name):
+    """Completeness: every key of every table of that name, and its example; of a component as well its keys."""
+    told, tables = fanfold("list", name).output, tables_called(name)
+    assert tables
+    for table in tables:
+        assert {key.name for key in table.keys} <= set(told.split())
+        assert " ".join(table.example.split()) in " ".join(told.split())
+    assert ("recorded signals" in told) == (name in REGISTRY)
+
+
+def test_list_names_are_arguments_of_run():
+    """Every scene and each of its variants once; each line loads."""
+    lines = fanfold("list", "--names").output.splitlines()
+    assert len(lines) == len(set(lines)) > len(list_scenes())
+    assert {line.split()[0] for line in lines} == set(list_scenes())
+    for name, *option in map(str.split, lines):
+        assert option[:1] in ([], ["--variant"])
+        Scene.load(name, option[1:])
+
+
+def test_list_distributions_has_every_form():
+    """Completeness: every distribution that `study` accepts."""
+    told = fanfold("list", "distributions").output
+    assert all(form in told for form, _ in FORMS.values())
 
 
 def test_run_shows_numbers_and_writes_the_result():
@@ -449,3 +484,31 @@ def test_an_explicit_master_needs_a_step():
     refusal = fanfold("run", SCENE, "--master", "jacobi")
     assert refusal.exit_code == 2
     assert "needs a --step" in refusal.stderr
+
+
+def test_an_interruption_while_libraries_load_is_a_sentence(monkeypatch):
+    """Regression: pybind11 raises ImportError, "initialization failed", of Ctrl-C within an import: a traceback."""
+
+    def interrupted(*_):
+        raise ImportError("initialization failed") from KeyboardInterrupt()
+
+    monkeypatch.setattr(listing.fanfold, "scenes", interrupted)
+    assert "list: interrupted" in refused("list")
+
+
+def test_an_interrupted_picture_leaves_no_file(tmp_path, monkeypatch):
+    """Regression: Ctrl-C during `plot` left a PNG of 124 bytes, or cut an earlier one off."""
+    path, figure = tmp_path / "a.png", empty_figure(1.0, 1.0)
+    save_figure(figure, path)
+    whole = path.read_bytes()
+
+    def cut_off(stream, **_):
+        stream.write(b"PNG")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(figure, "savefig", cut_off)
+    with pytest.raises(KeyboardInterrupt):
+        save_figure(figure, path)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.png"]
+    assert path.read_bytes() == whole
+    assert path.stat().st_mode & 0o777 == 0o644
