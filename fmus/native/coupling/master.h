@@ -354,7 +354,7 @@ static int make_impulse(Master *m, double h) {
         if (!restore_all(n)) return 0;
         command_all(m, 0.0);
         forget_stiffnesses(s);
-        return 1;
+        return observe_all(m);
     }
     m->loop.time += h;
     for (size_t i = 0; i < m->lines; i++)
@@ -364,12 +364,15 @@ static int make_impulse(Master *m, double h) {
     watch_all(m);
     command_all(m, 0.0);
     forget_stiffnesses(s);
-    if (!observe_all(m)) return 0;
+    return observe_all(m);
+}
+
+/* The row of a lock. Joints without their rates and no lock yet, and a lock that still moves, are states of no wing. */
+static void record_lock(Master *m) {
     note_energies(&m->loop);
-    add_row(m, m->loop.time, h);
+    add_row(m, m->loop.time, AGAIN);
     m->untold = 0;
     memset(m->roughness, 0, m->loop.rows.corrections * sizeof(double));
-    return 1;
 }
 
 /* How a latched line swings as a whole, and the step (s) that tells: the longest that does, and that no participant
@@ -463,6 +466,7 @@ static int latch_line(Master *m, HingeLine *line, double mark) {
     if (line->is_kinematic) {
         /* a lock would ring with the rate that an impulse leaves */
         if (!make_impulse(m, INSTANT) || !make_impulse(m, AGAIN)) return 0;
+        record_lock(m);
     } else if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size), forget_all)) return 0;
     coupling_restart(&m->network);
     restart_sizes(m, size, 0);
