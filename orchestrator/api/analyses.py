@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from ..assembly.assemble import assemble
+from ..assembly.doubts.at_the_start import turned_from_the_world
 from ..assembly.fidelities import bending
 from ..assembly.spin import unstiffened_spins
 from ..assembly.statics.steady_spin import spin_at_start
@@ -446,14 +447,14 @@ def impacts(result: ResultLike) -> list[Impact]:
 
 
 def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
-    """The scene checked; a FanfoldWarning tells of what the analysis leaves out.
+    """The scene checked; a FanfoldWarning each for what the analysis leaves out and a base that starts turned.
 
     spinning: whether the analysis is about the steady spin of a base.
     """
     from ..analysis.small_motion import left_out
 
     checked = load(scene).check_one_run()
-    for sentence in left_out(checked, listed(rigid), spinning):
+    for sentence in (*turned_from_the_world(checked), *left_out(checked, listed(rigid), spinning)):
         warn(sentence)
     return checked
 

@@ -45,7 +45,7 @@ def start_doubts(scene: CheckedScene) -> Iterator[str]:
     yield from _open_at_the_start(scene)
     yield from _turned_to_close(scene)
     yield from _moving_from_rest(scene)
-    yield from _turned_from_the_world(scene)
+    yield from turned_from_the_world(scene)
     if not scene.header.preload and "preload" not in scene.header.model_fields_set:
         yield from _struck_by_preload(scene)
         yield from _struck_by_weight(scene)
@@ -188,7 +188,7 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
         )
 
 
-def _turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
+def turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
     """Bases that a motion turns at the start, beside bodies whose places are those of the world."""
     placed = [body.name for body in scene.bodies if body.place is not None]
     if scene.base.motion is None or not placed:

@@ -87,7 +87,8 @@ def test_kinematic_latch_is_a_plastic_event(step):
 def test_kinematic_latch_after_a_swing(step):
     """Closed form: after the event both turn as one, with the energy H^2 / 2 I of the momentum before it.
 
-    The lock takes J^2 / 2 I of its impulse; bushings ring with 5e-5 of the energy, which the event takes as well. Until the event the momentum is kept to the wrenches' iteration, 1e-8.
+    The lock takes J^2 / 2 I of its impulse; bushings ring with 5e-5 of the energy, which the event takes as well.
+    Until the event the momentum is kept to the wrenches' iteration, 1e-8.
     """
     run, i = pinned_pair(step, 0.5)
     impulse, energy, momentum = (
