@@ -88,7 +88,7 @@ struct Master {
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
     double start_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
-    size_t lines, events, strikes, impulses, steps, rejected, happened, repeats, untold;
+    size_t lines, events, strikes, impulses, steps, rejected, happened, repeats, untold, between;
     char said[512];
 };
 
@@ -180,7 +180,7 @@ static void add_row(Master *m, double time, double h) {
     hand_on_rows(m);
     for (size_t i = 0; i < r->columns; i++) m->row_values[i] = m->network.observations[r->recorded[i]];
     channels_of(m, h, 0.0, m->row_values + r->columns);
-    m->row(m->taker, time, m->segment + 0.5, m->row_values);
+    m->row(m->taker, time, m->between ? -m->segment - 0.5 : m->segment + 0.5, m->row_values);
     m->held_segment = m->segment;
 }
 
@@ -354,7 +354,7 @@ static int make_impulse(Master *m, double h) {
         if (!restore_all(n)) return 0;
         command_all(m, 0.0);
         forget_stiffnesses(s);
-        return observe_all(m);
+        return 1;
     }
     m->loop.time += h;
     for (size_t i = 0; i < m->lines; i++)
@@ -364,15 +364,15 @@ static int make_impulse(Master *m, double h) {
     watch_all(m);
     command_all(m, 0.0);
     forget_stiffnesses(s);
-    return observe_all(m);
-}
-
-/* The row of a lock. Joints without their rates and no lock yet, and a lock that still moves, are states of no wing. */
-static void record_lock(Master *m) {
+    if (!observe_all(m)) return 0;
     note_energies(&m->loop);
-    add_row(m, m->loop.time, AGAIN);
+    /* joints without their rates and no lock yet, and a lock that still moves, are states of no wing: outputs pass by them */
+    m->between = h == INSTANT;
+    add_row(m, m->loop.time, h);
+    m->between = 0;
     m->untold = 0;
     memset(m->roughness, 0, m->loop.rows.corrections * sizeof(double));
+    return 1;
 }
 
 /* How a latched line swings as a whole, and the step (s) that tells: the longest that does, and that no participant
@@ -466,7 +466,6 @@ static int latch_line(Master *m, HingeLine *line, double mark) {
     if (line->is_kinematic) {
         /* a lock would ring with the rate that an impulse leaves */
         if (!make_impulse(m, INSTANT) || !make_impulse(m, AGAIN)) return 0;
-        record_lock(m);
     } else if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size), forget_all)) return 0;
     coupling_restart(&m->network);
     restart_sizes(m, size, 0);
