@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from ..assembly.assemble import assemble
+from ..assembly.doubts.at_the_start import turned_from_the_world
 from ..assembly.fidelities import bending
 from ..assembly.spin import unstiffened_spins
 from ..assembly.statics.steady_spin import spin_at_start
-from ..messages import message
+from ..messages import coded, message
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
 from ..scene.builder import Names, listed
@@ -450,15 +451,17 @@ def impacts(result: ResultLike) -> list[Impact]:
 
 
 def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
-    """The scene checked; a FanfoldWarning tells of what the analysis leaves out.
+    """The scene checked; a FanfoldWarning each for what the analysis leaves out and a base that starts turned.
 
     spinning: whether the analysis is about the steady spin of a base.
     """
     from ..analysis.small_motion import left_out
 
     checked = as_scene(scene).check_one_run()
-    for sentence in left_out(checked, listed(rigid), spinning):
-        warn(message("W-modes-omitted", sentence))
+    for sentence in coded("W-base-turned", turned_from_the_world(checked)):
+        warn(sentence)
+    for sentence in coded("W-modes-omitted", left_out(checked, listed(rigid), spinning)):
+        warn(sentence)
     return checked
 
 

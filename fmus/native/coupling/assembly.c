@@ -214,6 +214,7 @@ static double crest(const double *times, const double *values, size_t count) {
 static void note_peaks(Assembly *a, size_t row) {
     const double *ring = a->ring, segment = ring[row * a->row_size + 1];
     size_t count = 1;
+    if (segment < 0.0) return; /* a state between the impulses of a lock */
     while (count <= row && ring[(row - count) * a->row_size + 1] == segment) count++;
     for (size_t i = 0; i < a->peak_count; i++) {
         double times[RING], values[RING];

@@ -103,8 +103,10 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
     Loads loads;
     for (int i = 0; i < LOAD_COUNT * MID_STEP_SLOPE_SIZE; i++) x_next[X_LOADS + i] = 0.0;
     store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + X_SLIDING);
+    x_next[X_LATCH_IMPULSE] = x[X_LATCH_IMPULSE];
     if (commanded(u, U_IMPULSE)) {
         loads = impulse_loads(hinge, x, grip, new, h);
+        x_next[X_LATCH_IMPULSE] += h * loads.latch_torque;
         if (hinge->locks && x[X_LATCHED] == 0.0) grip->latched_angle = new->coordinates[HINGE_ANGLE];
         store_rates_after_impulse(new, x_next);
     } else {
