@@ -12,6 +12,7 @@
 #include <string.h>
 
 #define SAME_EVENT 1e-9 /* s */
+#define MOST_STEPS_INSIDE 1e6 /* of a communication step: from seconds to minutes */
 
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
    latched, and peaks. */
@@ -659,6 +660,20 @@ static int has_changed(const Assembly *a, const double *u) {
     return a->noted.acts || memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0;
 }
 
+/* Whether a communication step (s) comes to its end soon enough: nothing can interrupt it, and each step inside has to
+   move time on. */
+static int is_made_soon(Assembly *a, double h) {
+    const StepSizes *sizes = &a->master.sizes;
+    if (!(h <= MOST_STEPS_INSIDE * sizes->largest))
+        snprintf(a->said, sizeof a->said, "a communication step of %g s needs %.2g steps inside, at most %.2g are made; "
+                 "make more communication steps of at most %.3g s", h, h / sizes->largest, MOST_STEPS_INSIDE,
+                 MOST_STEPS_INSIDE * sizes->largest);
+    else if (a->time + h + sizes->smallest == a->time + h)
+        snprintf(a->said, sizeof a->said, "steps inside of %g s are lost in the rounding of the time %g s; begin anew",
+                 sizes->smallest, a->time + h);
+    return !a->said[0];
+}
+
 /* Stand where a state was written down, and let what the host has changed act there. */
 static int begin(Assembly *a, const double *x, const double *u) {
     a->said[0] = a->master.said[0] = '\0';
@@ -669,6 +684,7 @@ static int begin(Assembly *a, const double *x, const double *u) {
 
 /* Run from the communication point over a step, or through the first event inside of it (to_event). */
 static int run_on(Assembly *a, const double *u, double h, int to_event) {
+    if (!is_made_soon(a, h)) return 0;
     catch_up_peaks(a, a->time + h);
     const int fine = is_driven(a, u) ? run_driven(a, u, h, to_event) : run_past(a, a->time + h, to_event);
     return fine && (!(to_event && met_event(a, a->time + h)) || end_event(a));
