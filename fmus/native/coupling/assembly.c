@@ -660,18 +660,19 @@ static int has_changed(const Assembly *a, const double *u) {
     return a->noted.acts || memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0;
 }
 
-/* Whether a communication step (s) comes to its end soon enough: nothing can interrupt it, and each step inside has to
-   move time on. */
-static int is_made_soon(Assembly *a, double h) {
+/* Whether a communication step (s) from a state comes to its end soon enough: nothing can interrupt it, and each step
+   inside has to move time on. */
+static int is_made_soon(const Assembly *a, const double *x, double h, Reason *why) {
     const StepSizes *sizes = &a->master.sizes;
+    const double end = x[AT_TIME] + h;
     if (!(h <= MOST_STEPS_INSIDE * sizes->largest))
-        snprintf(a->said, sizeof a->said, "a communication step of %g s needs %.2g steps inside, at most %.2g are made; "
-                 "make more communication steps of at most %.3g s", h, h / sizes->largest, MOST_STEPS_INSIDE,
-                 MOST_STEPS_INSIDE * sizes->largest);
-    else if (a->time + h + sizes->smallest == a->time + h)
-        snprintf(a->said, sizeof a->said, "steps inside of %g s are lost in the rounding of the time %g s; begin anew",
-                 sizes->smallest, a->time + h);
-    return !a->said[0];
+        return refuse(why, "a communication step of %g s needs %.2g steps inside, and at most %g are made; make more "
+                      "communication steps, of at most %.3g s", h, h / sizes->largest, MOST_STEPS_INSIDE,
+                      MOST_STEPS_INSIDE * sizes->largest);
+    if (end + sizes->smallest == end)
+        return refuse(why, "steps inside of %g s are lost in the rounding of %g s since the start; begin anew",
+                      sizes->smallest, end);
+    return 1;
 }
 
 /* Stand where a state was written down, and let what the host has changed act there. */
@@ -684,7 +685,6 @@ static int begin(Assembly *a, const double *x, const double *u) {
 
 /* Run from the communication point over a step, or through the first event inside of it (to_event). */
 static int run_on(Assembly *a, const double *u, double h, int to_event) {
-    if (!is_made_soon(a, h)) return 0;
     catch_up_peaks(a, a->time + h);
     const int fine = is_driven(a, u) ? run_driven(a, u, h, to_event) : run_past(a, a->time + h, to_event);
     return fine && (!(to_event && met_event(a, a->time + h)) || end_event(a));
@@ -692,6 +692,7 @@ static int run_on(Assembly *a, const double *u, double h, int to_event) {
 
 static int step(void *self, const double *x, const double *u, double h, double *x_next, Reason *why) {
     Assembly *a = self;
+    if (!is_made_soon(a, x, h, why)) return 0;
     if (!begin(a, x, u) || !run_on(a, u, h, 0)) return refuse_run(a, why);
     a->at_event = NO_EVENT;
     a->time += h;
@@ -701,6 +702,7 @@ static int step(void *self, const double *x, const double *u, double h, double *
 
 static int step_to_event(void *self, const double *x, const double *u, double *h, int *due, double *x_next, Reason *why) {
     Assembly *a = self;
+    if (!is_made_soon(a, x, *h, why)) return 0;
     if (!begin(a, x, u) || !run_on(a, u, *h, 1)) return refuse_run(a, why);
     *due = met_event(a, a->time + *h);
     const double end = *due ? a->master.event_time : a->time + *h;
