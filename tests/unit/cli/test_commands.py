@@ -356,7 +356,9 @@ def test_exported_fmus_pass_the_check():
     """End to end: one FMU per component of the scene, none with a problem."""
     result = fanfold("export", SCENE, "-o", "fmus")
     assert result.exit_code == 0
-    assert ("glibc 2." in result.stderr) == (platform.libc_ver()[0] == "glibc" and native_library() is not None)
+    assert ("glibc 2." in result.stderr) == (
+        platform.libc_ver()[0] == "glibc" and native_library() is not None
+    )
     paths = result.stdout.split()
     names = {"base", "inner", "outer", "root", "middle_left", "middle_right"}
     assert {Path(path).stem for path in paths} == names

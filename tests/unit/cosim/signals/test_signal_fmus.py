@@ -229,7 +229,9 @@ def test_an_fmu_that_fails_is_named_and_rows_are_kept(tmp_path, fault):
 def test_good_news_is_no_reason_of_a_failure(tmp_path):
     """Message. Regression: what was said last stood for why, also where all was well then."""
     file = slave(tmp_path, fault="self.log('all is well'); return self.count < 3")
-    with pytest.raises(fanfold.FanfoldError, match=r"do a step of 0\.05 s at t = 0\.1 s: it asks for the end"):
+    with pytest.raises(
+        fanfold.FanfoldError, match=r"do a step of 0\.05 s at t = 0\.1 s: it asks for the end"
+    ):
         fanfold.simulate(controlled(file), estimate=False)
 
 
