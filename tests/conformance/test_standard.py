@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
 from fmus import native_library
 from fmus.native import compiler
@@ -108,7 +107,7 @@ def test_initial_unknowns_have_derivatives(kind):
 
 @pytest.mark.parametrize("kind", BACKENDS["native"])
 def test_initial_unknowns_follow_what_is_listed(kind):
-    """FMI 2.0, 2.2.8: what is not listed does not act, and no list means all that is known; other inputs change nothing.
+    """FMI 2.0, 2.2.8: what is not listed does not act, and no list means all that is known. Other inputs act on none.
 
     Bodies and bases start from their parameters, so that a tool has no loop to solve through their ports.
     """
@@ -137,13 +136,11 @@ def test_derivatives_are_never_nan(kind):
         u[rng.integers(u.size)] = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(100.0, 308.0)
         assert fmu.set(first, u) == OK
         known = [first + int(rng.integers(u.size))]
-        try:
-            found = fmu.slave.getDirectionalDerivative(unknowns, known, [1.0])
-        except FMICallException as error:
-            assert error.status == ERROR
-            refused += 1
-        else:
-            assert np.all(np.isfinite(found))
+        status = fmu.call("getDirectionalDerivative", unknowns, known, [1.0])
+        assert status in (OK, ERROR)
+        refused += status == ERROR
+        if status == OK:
+            assert np.all(np.isfinite(fmu.slave.getDirectionalDerivative(unknowns, known, [1.0])))
     assert refused or kind not in ("hold_down", "point_motion", "suspension")  # where it was seen
 
 

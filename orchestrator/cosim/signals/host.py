@@ -94,7 +94,7 @@ class Host:
         return self._given()
 
     def _do_step2(self, time: float, h: float) -> int:
-        """Its status; FMI 2.0 has a step discarded by an FMU that has to end, as by one that a smaller step may suit."""
+        """Its status; FMI 2.0 discards the step of an FMU that has to end, as one that is too large."""
         try:
             status: int = self._fmu.fmi2DoStep(self._fmu.component, time, h, 1)
         except FMICallException as error:

@@ -45,7 +45,7 @@ def test_sources_compile_every_equations_file_twice():
 
 
 def test_the_library_runs_with_a_c_library_of_2019():
-    """glibc 2.29, as RHEL 9 (2.34) and Debian 11 (2.31) have it; against objdump's list of versions, where it is.
+    """A glibc of 2.29, as RHEL 9 (2.34) and Debian 11 (2.31) have it; against objdump's list of versions, where it is.
 
     Regression: one `hypot` asked for 2.35.
     """
