@@ -102,6 +102,8 @@ def command(
         )
     for path in paths:
         click.echo(path)
+    if not platforms and backend != "python" and (needs := _needs()):
+        click.echo(needs, err=True)
     if wrench_mode != "mean" and not as_one:
         from fmpy import read_model_description
 
@@ -109,6 +111,21 @@ def command(
             click.echo(
                 f"advised communication step: {float(step):g} s, for tools that do not iterate", err=True
             )
+
+
+def _needs() -> str:
+    """A line on the C library that native FMUs from here need; empty where they need none of GNU, or there are none."""
+    from fmus import PLATFORMS, native_library
+    from fmus.binary import glibc_of
+    from fmus.description.binaries import folder_here
+
+    library = native_library()
+    version = None if library is None else glibc_of(library.read_bytes())
+    if version is None:
+        return ""
+    here = [name for name, platform in PLATFORMS.items() if platform.folder3 == folder_here("3.0")]
+    older = "".join(f"; --platforms {name} for 2.17" for name in here)
+    return f"binary of this machine: glibc {version[0]}.{version[1]} or newer{older}"
 
 
 @click.command("export-body")

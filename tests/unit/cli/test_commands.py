@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import pytest
 from click.testing import CliRunner
 
 from components import LAGGED, REGISTRY
+from fmus import native_library
 from orchestrator.analysis.sampling.distributions import FORMS
 from orchestrator.cli import listing
 from orchestrator.cli.main import main
@@ -402,6 +404,9 @@ def test_exported_fmus_pass_the_check():
     """End to end: one FMU per component of the scene, none with a problem."""
     result = fanfold("export", SCENE, "-o", "fmus")
     assert result.exit_code == 0
+    assert ("glibc 2." in result.stderr) == (
+        platform.libc_ver()[0] == "glibc" and native_library() is not None
+    )
     paths = result.stdout.split()
     names = {"base", "inner", "outer", "root", "middle_left", "middle_right"}
     assert {Path(path).stem for path in paths} == names

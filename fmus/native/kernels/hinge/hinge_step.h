@@ -147,7 +147,8 @@ static inline void free_step(const Hinge *hinge, const double *x, const Motion *
 static inline int is_open_across(const Hinge *hinge, const Motion *new, Reason *why) {
     const double *stiffness = hinge->base.p + P_ROTATIONAL_STIFFNESS;
     if (stiffness[1] == 0.0 && stiffness[2] == 0.0) return 1;
-    double bent = hypot(creal(new->coordinates[HINGE_ANGLE + 1]), creal(new->coordinates[HINGE_ANGLE + 2]));
+    const double one = creal(new->coordinates[HINGE_ANGLE + 1]), other = creal(new->coordinates[HINGE_ANGLE + 2]);
+    const double bent = sqrt(one * one + other * other); /* hypot needs a younger C library, and both are below pi */
     if (!(bent > FOLDED)) return 1;
     return refuse(why, "the hinge is bent by %.0f deg across its line, where the angle about it has no meaning; stiffen"
                   " it across (cross_stiffness of a scene's joints)", bent * 57.29577951308232);
