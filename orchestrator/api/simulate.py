@@ -42,17 +42,20 @@ def load(
     scene: SceneLike,
     variant: Names = (),
     settings: Mapping[str, object] | Sequence[Setting] = (),
+    trust: bool = False,
 ) -> Scene:
     """A scene by its name or file, or one built in code, with variants and single values laid over it.
 
     variant: one or several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}.
+    trust: plugins that a file names may run, now and until they change; without it they run where they did before, or
+    `load_plugin` has loaded them.
     SceneError with everything that is wrong with it.
     """
     if isinstance(scene, Scene):
         found = scene.with_variants(*listed(variant)).with_settings(settings)
         found.check()
         return found
-    return Scene.load(scene, variant, settings)
+    return Scene.load(scene, variant, settings, trust)
 
 
 def options_of(
@@ -132,7 +135,7 @@ def simulate(
 def resume(result: str | Path, *, progress: bool | Progress | None = None) -> Result:
     """Go on with an interrupted run from its last checkpoint to its end, in every bit as it would have gone on.
 
-    result: its file, beside which the checkpoint is. RunError where there is none, where it is damaged, or where FMUs
+    result: its file, beside which the checkpoint is; its plugins are loaded by `load_plugin` before. RunError where there is none, where it is damaged, or where FMUs
     or versions are others than those that the run began with.
     """
     found = resume_simulation(Path(result), progress=chosen(progress), warn=warn)
@@ -157,18 +160,19 @@ def check_scene(
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
+    trust: bool = False,
 ) -> SceneCheck:
     """A scene looked at before it is run: its problems and what is hardly meant, as sentences, and what it is made of.
 
     Problems are also those of variants that are not chosen, which runs do not look at.
     `warnings`, `bodies`, `lines`, `loops` are records, `plot` draws it stowed and deployed. Where there are `problems`
-    there is nothing else. A scene in phases is checked phase by phase, see `Scene.runs`.
+    there is nothing else. trust: see `load`. A scene in phases is checked phase by phase, see `Scene.runs`.
     """
     from ..analysis.scene_check import SceneCheck
     from ..analysis.scene_check import check_scene as look_at
 
     try:
-        chosen = load(scene, variant, settings)
+        chosen = load(scene, variant, settings, trust)
         checked = chosen.check_one_run()
         if problems := chosen.variant_problems():
             raise SceneError(problems)

@@ -146,6 +146,16 @@ def files_besides(tree: Tree) -> list[str]:
     return list(dict.fromkeys(table[key] for table, key in _places_of_files(tree)))
 
 
+def plugin_files(tree: Tree) -> list[str]:
+    """Those of its plugins."""
+    return list(dict.fromkeys(table[key] for table, key in _places_of_files(tree) if isinstance(table, list)))
+
+
+def data_files(tree: Tree) -> list[str]:
+    """Those that are read and not run in this process: tables of bodies, finite elements, FMUs of other tools."""
+    return [file for file in files_besides(tree) if not file.endswith(".py")]
+
+
 def _places_of_files(tree: Tree) -> Iterator[tuple[Any, Any]]:
     """Tables and lists, and where in them a text names a file."""
     variants = tree.get("variant")
