@@ -135,8 +135,8 @@ def simulate(
 def resume(result: str | Path, *, progress: bool | Progress | None = None) -> Result:
     """Go on with an interrupted run from its last checkpoint to its end, in every bit as it would have gone on.
 
-    result: its file, beside which the checkpoint is; its plugins are loaded by `load_plugin` before. RunError where there is none, where it is damaged, or where FMUs
-    or versions are others than those that the run began with.
+    result: its file, beside which the checkpoint is; plugins that it names are loaded by `load_plugin` before. RunError
+    where there is none, where it is damaged, or where FMUs or versions are others than those that the run began with.
     """
     found = resume_simulation(Path(result), progress=chosen(progress), warn=warn)
     return Result.of(found.outcome.result, found)

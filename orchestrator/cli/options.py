@@ -98,7 +98,9 @@ def _layer_options(command: Command) -> Command:
         "90 deg'; plain numbers are SI, as in scene files; repeatable.",
     )(command)  # fmt: skip
     command = plugin_option(
-        click.option("--trust", is_flag=True, help="Let plugins of the scene run, until they change.")(command)
+        click.option("--trust", is_flag=True, help="Let plugins of the scene run, until they change.")(
+            command
+        )
     )
     text = "Variants of the scene, with commas between, in order."
     return click.option(

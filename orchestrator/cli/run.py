@@ -10,7 +10,14 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, backend_option, large_deformation_option, ordered_names, result_options, scene_choice
+from .options import (
+    SceneChoice,
+    backend_option,
+    large_deformation_option,
+    ordered_names,
+    result_options,
+    scene_choice,
+)
 from .progress import progress
 from .types import Number, OutputFile, Seconds, Spacing
 

@@ -50,7 +50,9 @@ class Scene:
         """An empty scene; header: further keys of [scene], such as tolerance, largest_step, preload, gravity."""
         self._begin(Layers(name, {}, {}, frozenset()))
         self._set("scene", Header, {"name": name, "until": until, **header})
-        self._accepted = frozenset(plugin_files(self._layers.tree))  # whoever writes the name in code means it
+        self._accepted: frozenset[str] = frozenset(
+            plugin_files(self._layers.tree)
+        )  # whoever writes the name in code means it
 
     @classmethod
     def load(
@@ -84,7 +86,7 @@ class Scene:
         self._variants: tuple[str, ...] = ()
         self._settings: tuple[tuple[str, Any], ...] = ()
         self._checked: CheckedScene | None = None
-        self._accepted: frozenset[str] = frozenset()
+        self._accepted = frozenset()
 
     @property
     def name(self) -> str:

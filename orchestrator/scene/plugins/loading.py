@@ -32,7 +32,10 @@ def load(file: str) -> None:
 
 
 def refusal(plugins: Collection[str], data: Iterable[str], accepted: Collection[str]) -> Iterator[str]:
-    """Why a scene is not looked at: it names programs that nobody trusts. Its files of data may be opened from now on."""
+    """Why a scene is not looked at: it names programs that nobody trusts.
+
+    Of one that is, results may open its files of data from now on.
+    """
     if refused := refused_programs(plugins, accepted):
         each = " ".join(f"--plugin {quote(file)}" for file in refused)
         yield (
@@ -53,8 +56,8 @@ def refusal_of_result(plugins: Collection[str], data: Iterable[str]) -> Iterator
         )
     if refused := list(refused_data(data)):
         yield (
-            f"it names {', '.join(refused)}, which no scene has opened on this computer; type --trust if it may be opened "
-            "(in Python: trust)"
+            f"it names {', '.join(refused)}, which no scene has opened on this computer; type --trust if it may be "
+            "opened (in Python: trust)"
         )
 
 

@@ -1,6 +1,6 @@
-"""What may be loaded of the files that scenes name: programs where someone trusts them, data of results where a scene
-that was run here has opened them.
+"""What may be loaded of the files that scenes and results name.
 
+Programs where someone trusts them; data of results where a scene has named them on this computer, or someone says so.
 Trust is remembered among the files of the cache: of a program by its content, so that a changed one is asked for again,
 of data by their path.
 """

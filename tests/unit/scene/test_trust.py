@@ -175,7 +175,8 @@ def test_a_result_opens_no_file_that_no_scene_has_opened(result, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "tree", [{"scene": 5}, {"scene": {"name": 3}}, {"body": 5}, {"body": [5]}, [], 5, {"hinge_line": {"a": 1}}]
+    "tree",
+    [{"scene": 5}, {"scene": {"name": 3}}, {"body": 5}, {"body": [5]}, [], 5, {"hinge_line": {"a": 1}}],
 )
 def test_a_damaged_scene_in_a_result_is_a_sentence(result, tree):
     """Reproduction: AttributeError where the scene was a number, in stresses and in the page."""
