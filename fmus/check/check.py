@@ -84,7 +84,7 @@ def _problems(path: Path, run: bool) -> list[str]:
         terminals = archive.read(_TERMINALS) if _TERMINALS in members else None
     try:
         root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, ValueError, LookupError) as error:  # of encodings as well
         return [f"modelDescription.xml is not well-formed: {error}"]
     if root.get("fmiVersion", "") not in ("2.0", "3.0") or root.find("CoSimulation") is None:
         return [f"{path.name} is not an FMU 2.0 or 3.0 for co-simulation"]

@@ -1,4 +1,4 @@
-"""Files of finite elements that are damaged, or made to do harm: sentences, soon, and no memory for what is not there."""
+"""Files of finite elements that are damaged, or made to do harm: sentences, and no memory for what is not there."""
 
 import tracemalloc
 import zipfile
