@@ -10,6 +10,8 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
+from components.contract.regular import is_regular
+
 LARGEST_BYTES = 256_000_000
 MOST_MEMBERS = 10_000
 """Of an archive that is unpacked; FMUs have a few dozen members of some MB."""
@@ -43,7 +45,7 @@ def archive_problems(path: Path, contents: bool = True) -> Iterator[str]:
 
     contents: whether members are read, to find those that are damaged; whoever unpacks them finds them as well.
     """
-    if not path.is_file():
+    if not is_regular(path):
         yield "there is no such file"
         return
     try:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import traceback
-from errno import ENOENT
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
@@ -12,6 +11,7 @@ from typing import NamedTuple
 
 from .component import REGISTRY
 from .errors import FanfoldError
+from .regular import content
 
 
 class PluginError(FanfoldError):
@@ -32,15 +32,15 @@ def load_plugin(path: str | Path) -> frozenset[str]:
     PluginError where it cannot be read or run, or has a kind that there is already.
     """
     path = Path(path).resolve()
-    content = _content(path)
-    digest, before = sha256(content).hexdigest(), _loaded.get(path)
+    text = _content(path)
+    digest, before = sha256(text).hexdigest(), _loaded.get(path)
     if before is not None and before.digest == digest:
         return before.kinds
     for kind in before.kinds if before is not None else ():
         REGISTRY.pop(kind, None)
     others = dict(REGISTRY)
     try:
-        _run(path, content, digest)
+        _run(path, text, digest)
     except BaseException as error:
         REGISTRY.clear()
         REGISTRY.update(others)
@@ -64,21 +64,18 @@ def plugin_digest(path: Path) -> str:
 
 def _content(path: Path) -> bytes:
     try:
-        if not path.is_file():
-            raise FileNotFoundError(ENOENT, "there is no such file")
-        return path.read_bytes()
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise PluginError(f"{path}: the plugin cannot be read ({why})") from None
+        return content(path)
+    except OSError as error:
+        raise PluginError(f"{path}: the plugin cannot be read ({error.strerror})") from None
 
 
-def _run(path: Path, content: bytes, digest: str) -> None:
+def _run(path: Path, text: bytes, digest: str) -> None:
     name = f"fanfold_plugin_{path.stem}_{digest[:12]}"
     module = sys.modules[name] = ModuleType(name)
     module.__file__ = str(path)
     try:
         # the content that the digest is of: a loader may take a __pycache__ in its place, which others can send too
-        exec(compile(content, str(path), "exec"), module.__dict__)
+        exec(compile(text, str(path), "exec"), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise

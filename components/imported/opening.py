@@ -11,6 +11,7 @@ from typing import IO, Any
 from numpy.lib import format as npy
 
 from ..contract.component import ComponentError
+from ..contract.regular import is_regular
 
 LARGEST = 1_000_000_000
 """Bytes of all matrices that are taken from an archive: two dense ones of 7900 degrees of freedom."""
@@ -21,7 +22,7 @@ _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0
 def reading(path: Path, kind: str) -> Iterator[None]:
     """ComponentError where a path is no file, such as a device that never ends, or anything within fails."""
     try:
-        if not path.is_file():
+        if not is_regular(path):
             raise ComponentError(f"{path.name}: is not there, or no file")
         yield
     except ComponentError:

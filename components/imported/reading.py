@@ -63,6 +63,8 @@ def _read_whole(whole: Path, further: Mapping[str, Path]) -> FiniteElementData:
 
 def beside(path: Path) -> tuple[Path, ...]:
     """The files that are read with one, itself among them, whether they are there or not."""
+    if not path.name:
+        return (path,)
     parts = {".asm": (".asm", ".op4", ".pch"), ".sti": tuple(_CALCULIX.values())}
     found = [path.with_suffix(ending) for ending in parts.get(path.suffix.lower(), (path.suffix,))]
     return tuple(part for one in found for part in (included(one) if one.suffix.lower() == ".inp" else [one]))

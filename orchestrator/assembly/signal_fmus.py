@@ -341,7 +341,7 @@ def _says_unit(variable: Any) -> bool:  # noqa: ANN401 - of FMPy
 
 def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     """The model description; _NoFmuError where there is none, or where it is of another kind of FMU."""
-    if problems := list(archive_problems(path, contents=False)):
+    if problems := list(archive_problems(path)):
         raise _NoFmuError(f"cannot be read as an FMU: {problems[0]}")
     try:
         found = read_model_description(str(path), validate=False)

@@ -17,6 +17,7 @@ from itertools import permutations
 from pathlib import Path
 from typing import Any
 
+from components.contract.regular import is_regular
 from components.imported.files import NAMES
 
 from .exchange.system_structure import scene_of
@@ -99,7 +100,7 @@ def _with_extended(
     if not isinstance(name, str):
         raise SceneError([f"{path.name}: extends: is {name!r}; give the name of a scene or a file"])
     beside = path.parent / name
-    below = beside if beside.is_file() else find(name)
+    below = beside if is_regular(beside) else find(name)
     under = _with_extended(below, find, (*within, place), added)
     return _merged_layer(f"{path.name}: ", under, tree, added)
 

@@ -8,8 +8,9 @@ from importlib.resources import files
 from pathlib import Path
 
 from components import ComponentError
-from components.contract.errors import unknown
+from components.contract.errors import shortened, unknown
 from components.contract.frames import Vector3
+from components.contract.regular import is_regular
 from components.end_stop import OF_HINGE
 
 from . import consistency
@@ -63,22 +64,16 @@ def list_scenes() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _scene_folder().glob("*.toml")))
 
 
-def _is_file(path: Path) -> bool:
-    """Whether there is one, also of a name that no file can have."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
 def find_scene(name_or_path: str) -> Path:
     """The file of a named scene or at a path; SceneError if there is neither."""
     for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
-        if _is_file(path):
+        if is_regular(path):
             return path
     known, file = ", ".join(list_scenes()), f"{name_or_path}.toml"
-    meant = f"; did you mean {file}" if _is_file(Path(file)) else ""
-    raise SceneError([f"there is no scene and no file {name_or_path!r}{meant}; scenes are {known}"])
+    meant = f"; did you mean {file}" if is_regular(Path(file)) else ""
+    raise SceneError(
+        [f"there is no scene and no file {shortened(repr(name_or_path))}{meant}; scenes are {known}"]
+    )
 
 
 def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[Setting] = ()) -> CheckedScene:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from contextlib import suppress
 from functools import lru_cache
 from os.path import normpath
 from pathlib import Path
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ...contract.component import ComponentError, Vector
+from ...contract.regular import is_regular
 from ..opening import reading
 from .entries import text_lines
 
@@ -70,10 +70,9 @@ def included(path: Path) -> list[Path]:
         if part in found:
             continue
         found[part] = None
-        with suppress(OSError, ValueError):  # no name of a file
-            if part.is_file():
-                written = part.stat()
-                left += _includes(part, written.st_mtime_ns, written.st_size)
+        if is_regular(part):
+            written = part.stat()
+            left += _includes(part, written.st_mtime_ns, written.st_size)
     return list(found)
 
 

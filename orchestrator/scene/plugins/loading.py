@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 from importlib.metadata import entry_points
-from pathlib import Path
 from shlex import quote
 
 from components.contract.errors import FanfoldError
 from components.contract.plugins import PluginError, load_plugin
 
 from ..bodies import forget_models
-from .trust import is_program, missing_programs, refused_data, refused_programs, trust_data
+from .trust import is_absent, missing_programs, refused_data, refused_programs, trust_data
 
 GROUP = "fanfold.plugins"
 """Entry points of installed packages; what they name is imported, which registers its components."""
@@ -68,7 +67,7 @@ def problems(files: Collection[str]) -> Iterator[str]:
     """
     yield from _installed()
     for file in files:
-        if is_program(file) and not Path(file).is_file() and not missing_programs([file]):
+        if is_absent(file) and not missing_programs([file]):
             continue
         try:
             load(file)

@@ -8,7 +8,6 @@ of data by their path.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
-from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
@@ -27,8 +26,8 @@ def is_program(file: str) -> bool:
 def trust_programs(files: Iterable[str]) -> None:
     """Remember that plugins with the content of these files may run."""
     for file in filter(is_program, files):
-        with suppress(PluginError):  # loading it says so
-            _remember(plugin_digest(Path(file)))
+        if digest := _digest(file):
+            _remember(digest)
 
 
 def trust_data(files: Iterable[str]) -> None:
@@ -42,12 +41,24 @@ def refused_programs(files: Collection[str], accepted: Collection[str]) -> list[
     return [file for file in files if is_program(file) and file not in accepted and not _is_trusted(file)]
 
 
+def is_absent(file: str) -> bool:
+    """Whether a program cannot be read."""
+    return is_program(file) and _digest(file) is None
+
+
 def _is_trusted(file: str) -> bool:
+    """Whether the content may run, or was loaded already."""
+    digest = _digest(file)
+    # of one that cannot be read there is nothing to run, and loading it says so
+    return digest is None or digest in loaded_plugins().values() or _is_remembered(digest)
+
+
+def _digest(file: str) -> str | None:
+    """Of the content; None where it cannot be read."""
     try:
-        digest = plugin_digest(Path(file))
+        return plugin_digest(Path(file))
     except PluginError:
-        return True  # there is nothing to run, and loading it says so
-    return digest in loaded_plugins().values() or _is_remembered(digest)
+        return None
 
 
 def missing_programs(files: Collection[str]) -> list[str]:
