@@ -85,7 +85,7 @@ def _problems(path: Path, run: bool) -> list[str]:
         terminals = archive.read(_TERMINALS) if _TERMINALS in members else None
     try:
         root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, ValueError, LookupError) as error:  # of encodings as well
         return [f"modelDescription.xml is not well-formed: {error}"]
     if unfit := _unfit(root):
         return [unfit]

@@ -45,26 +45,30 @@ def load(
     scene: SceneLike,
     variant: Names = (),
     settings: Mapping[str, object] | Sequence[Setting] = (),
+    trust: bool = False,
 ) -> Any:  # noqa: ANN401 - what a file holds decides
     """A scene by its name or file, or one built in code, with variants and single values laid over it; or a result.
 
     scene: the file of a result gives a `Result`, as `Result.open` does, everything else a `Scene`. variant: one or
-    several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}. SceneError with everything
-    that is wrong with a scene, ResultError for a damaged result, or one with variants or settings.
+    several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}. trust: plugins that a file
+    names may run, now and until they change; without it they run where they did before, or `load_plugin` has loaded
+    them. SceneError with everything that is wrong with a scene, ResultError for a damaged result, or one with variants
+    or settings.
     """
     if not isinstance(scene, Scene) and is_hdf5(scene):
         if variant or settings:
             raise ResultError(f"{scene}: variants and settings change a scene; leave them out for a result")
         return Result.open(scene)
-    return as_scene(scene, variant, settings)
+    return as_scene(scene, variant, settings, trust)
 
 
 def as_scene(
     scene: SceneLike,
     variant: Names = (),
     settings: Mapping[str, object] | Sequence[Setting] = (),
+    trust: bool = False,
 ) -> Scene:
-    """A scene by its name or file, or one built in code, with variants and single values laid over it.
+    """A scene by its name or file, or one built in code, with variants and single values laid over it; see `load`.
 
     SceneError with everything that is wrong with it, also where it is a result.
     """
@@ -72,7 +76,7 @@ def as_scene(
         found = scene.with_variants(*listed(variant)).with_settings(settings)
         found.check()
         return found
-    return Scene.load(scene, variant, settings)
+    return Scene.load(scene, variant, settings, trust)
 
 
 def options_of(
@@ -152,8 +156,8 @@ def simulate(
 def resume(result: str | Path, *, progress: bool | Progress | None = None) -> Result:
     """Go on with an interrupted run from its last checkpoint to its end, in every bit as it would have gone on.
 
-    result: its file, beside which the checkpoint is. RunError where there is none, where it is damaged, or where FMUs
-    or versions are others than those that the run began with.
+    result: its file, beside which the checkpoint is; plugins that it names are loaded by `load_plugin` before. RunError
+    where there is none, where it is damaged, or where FMUs or versions are others than those that the run began with.
     """
     found = resume_simulation(Path(result), progress=chosen(progress), warn=warn)
     return Result.of(found.outcome.result, found)
@@ -177,18 +181,19 @@ def check_scene(
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
+    trust: bool = False,
 ) -> SceneCheck:
     """A scene looked at before it is run: its problems and what is hardly meant, as sentences, and what it is made of.
 
     Problems are also those of variants that are not chosen, which runs do not look at.
     `warnings`, `bodies`, `lines`, `loops` are records, `plot` draws it stowed and deployed. Where there are `problems`
-    there is nothing else. A scene in phases is checked phase by phase, see `Scene.runs`.
+    there is nothing else. trust: see `load`. A scene in phases is checked phase by phase, see `Scene.runs`.
     """
     from ..analysis.scene_check import SceneCheck
     from ..analysis.scene_check import check_scene as look_at
 
     try:
-        chosen = as_scene(scene, variant, settings)
+        chosen = as_scene(scene, variant, settings, trust)
         checked = chosen.check_one_run()
         if problems := chosen.variant_problems():
             raise SceneError(problems)

@@ -117,15 +117,21 @@ def _tell_of_unknown_signals(task: Task) -> None:
 
 
 def resume_study(
-    path: str | Path, *, workers: int = 1, cluster: str | None = None, progress: StudyProgress | None = None
+    path: str | Path,
+    *,
+    workers: int = 1,
+    cluster: str | None = None,
+    trust: bool = False,
+    progress: StudyProgress | None = None,
 ) -> Study:
     """Go on with the interrupted study that was to be saved in a file, or open the one that is whole there.
 
+    trust: files of bodies and FMUs that it names may be opened; its plugins are loaded by `load_plugin` before.
     StudyError where there is neither, or where files that its bodies are read from have changed.
     """
     if Path(path).is_file() and not journal_file(Path(path)).is_file():
         return Study.open(path)
-    return Study.of_record(go_on(Path(path), workers, cluster, progress or _silent))
+    return Study.of_record(go_on(Path(path), workers, cluster, progress or _silent, trust))
 
 
 def _silent(_: str, __: int) -> AbstractContextManager[Watch]:

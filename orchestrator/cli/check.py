@@ -39,6 +39,7 @@ def command(
     output: Path | None,
     as_json: bool,
     run: bool,
+    trust: bool,
 ) -> None:
     """Check a SCENE without running it, or FMUs: files that end with .fmu; exit code 1 if there is any problem.
 
@@ -51,7 +52,7 @@ def command(
         sys.exit(1 if _check_fmus(fmus, run) else 0)
     if len(what) > 1:
         raise click.UsageError("give one scene, or FMUs only")
-    choice = SceneChoice(what[0], variants, settings, rigid, flexible)
+    choice = SceneChoice(what[0], variants, settings, rigid, flexible, trust)
     sys.exit(1 if _check_scene(choice, large_deformation, output, as_json) else 0)
 
 

@@ -15,7 +15,7 @@ from .options import (
     large_deformation_option,
     layered_scene,
     ordered_names,
-    plugin_option,
+    result_options,
     scene_choice,
 )
 from .types import Count, Number, OutputFile, Seconds
@@ -171,7 +171,7 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
     help="csv, mat: rows at equal spacing, linear between recorded ones; by default these.",
 )  # fmt: skip
 @click.option("--replace", is_flag=True, help="Replace what is there already.")
-@plugin_option
+@result_options
 def view_command(result: Path, output: Path, no_stress: bool, **options: Any) -> None:  # noqa: ANN401
     """Write RESULT for other programs: animated bodies (glb), fields (vtu), a table (csv), MATLAB (mat)."""
     for path in fanfold.export_view(result, output, stress=False if no_stress else None, **options):

@@ -8,7 +8,7 @@ import click
 
 import orchestrator as fanfold
 
-from .options import plugin_option
+from .options import result_options
 from .progress import working
 
 
@@ -17,7 +17,7 @@ from .progress import working
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures."
 )
-@plugin_option
+@result_options
 def command(result: Path, output: Path | None) -> None:
     """Draw the pictures of RESULT."""
     with working("plot") as watch:

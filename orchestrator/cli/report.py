@@ -8,7 +8,7 @@ import click
 
 import orchestrator as fanfold
 
-from .options import plugin_option
+from .options import result_options
 from .progress import working
 from .types import OutputFile
 
@@ -24,7 +24,7 @@ from .types import OutputFile
     "--frames", "count", type=click.IntRange(min=0, max=300), default=6, show_default=True,
     help="Still pictures for browsers without WebGL2; 0 for nothing that plays either.",
 )  # fmt: skip
-@plugin_option
+@result_options
 def command(result: Path, others: tuple[Path, ...], output: Path | None, count: int) -> None:
     """Write RESULT as one HTML file with everything inside."""
     with working("report"):

@@ -12,7 +12,14 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, backend_option, large_deformation_option, ordered_names, scene_choice
+from .options import (
+    SceneChoice,
+    backend_option,
+    large_deformation_option,
+    ordered_names,
+    result_options,
+    scene_choice,
+)
 from .progress import progress
 from .types import Number, OutputFile, Seconds, Spacing
 
@@ -158,6 +165,7 @@ def content(result: Result, verified: list[Verified] | None) -> dict[str, object
 @click.argument("result", type=click.Path(path_type=Path, dir_okay=False))
 @every_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@result_options
 def resume_command(result: Path, every: bool, as_json: bool) -> None:
     """Go on with the interrupted run of RESULT from its last checkpoint, in every bit as it would have gone on.
 

@@ -99,7 +99,9 @@ def command(
         if vary or choice.variants or choice.settings:
             raise click.UsageError("a study that goes on is what it was; give no --vary, --variant or --set")
         path = Path(choice.scene)
-        found = fanfold.resume_study(path, workers=workers, cluster=cluster, progress=samples_bar)
+        found = fanfold.resume_study(
+            path, workers=workers, cluster=cluster, trust=choice.trust, progress=samples_bar
+        )
     else:
         scene = choice.load()
         path = output or Path(".".join((scene.name, *scene.chosen, "study.h5")))

@@ -277,7 +277,7 @@ def resume(result: Path, progress: Progress = silent, warn: Warn = lambda senten
     start = Checkpoint.read(result)
     asked = start.asked
     try:
-        scene = read_scene(asked["file"], asked["tree"])
+        scene = read_scene(asked["file"], asked["tree"], of_result=True)
         options, estimate = Options(**asked["options"]), bool(asked["estimate"])
     except (KeyError, TypeError) as error:
         raise RunError(

@@ -11,6 +11,8 @@ from typing import Any
 
 from ...run.simulation import Options
 from ...scene.builder import Scene
+from ...scene.layers import data_files
+from ...scene.plugins.trust import trust_data
 from .distributions import StudyError
 from .journal import Asked, Journal
 from .plan import Plan
@@ -57,10 +59,17 @@ def _refuse_overruled(task: Task, plan: Plan) -> None:
             )
 
 
-def go_on(output: Path, workers: int, cluster: str | None, progress: StudyProgress) -> Study:
-    """Go on with the interrupted study of a file, with the samples that it lacks; StudyError where there is none."""
+def go_on(
+    output: Path, workers: int, cluster: str | None, progress: StudyProgress, trust: bool = False
+) -> Study:
+    """Go on with the interrupted study of a file, with the samples that it lacks; StudyError where there is none.
+
+    trust: the files of data that it names may be opened.
+    """
     journal, asked, samples = Journal.resume(output)
     with journal:
+        if trust:
+            trust_data(data_files(asked["tree"]))
         task = _task_of(asked)
         refuse_changed(output, task.scene, asked.get("files", {}))
         found = _carried_out(task, asked, samples, journal, workers, cluster, progress)

@@ -6,6 +6,8 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
+from components.contract.regular import content
+
 from ...scene.bodies import body_files
 from ...scene.builder import Scene
 from ...scene.layers import files_besides
@@ -33,6 +35,6 @@ def refuse_changed(study: Path, scene: Scene, before: Mapping[str, str]) -> None
 
 def _digest(path: Path) -> str:
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        return hashlib.sha256(content(path)).hexdigest()
     except OSError:
         return ""

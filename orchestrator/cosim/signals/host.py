@@ -22,6 +22,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Terminated
 from fmpy.simulation import instantiate_fmu
 
+from components.contract.errors import shortened
 from orchestrator.assembly.array_elements import element, length
 
 Value = float | int | bool | str
@@ -126,7 +127,7 @@ class Host:
 
     def _log(self, *arguments: Any) -> None:  # noqa: ANN401 - FMI 2.0 and 3.0 differ
         status, _, text = arguments[-3:]
-        message = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+        message = shortened(text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text))
         if status == _WARNING:
             self.warned.append(message)
         if status >= self._worst:

@@ -114,6 +114,14 @@ class SignalProcess:
         except (EOFError, OSError):
             self._kill()
             raise ParticipantError(f"{self.fmu.name}: at t = {time:.6g} s {self._end()}") from None
+        except ParticipantError:
+            raise
+        except Exception as error:  # what the other process writes is no answer
+            self._kill()
+            raise ParticipantError(
+                f"{self.fmu.name}: at t = {time:.6g} s its process gave no answer that can be read "
+                f"({type(error).__name__}); the FMU has written into files of others"
+            ) from None
         finally:
             self.seconds += perf_counter() - begin
         for text in warned[: _MOST_WARNINGS - len(self._warnings)]:

@@ -157,7 +157,7 @@ def test_a_system_that_was_changed_is_no_longer_the_scene(written, tmp_path):
         "in place of more.ssv; lay": without(written, "", tmp_path / "c.ssp", **{"more.ssv": b""}),
         "holds no scene": without(written, "resources/scene.json", tmp_path / "d.ssp"),
         "is damaged": without(written, "", tmp_path / "e.ssp", **{"resources/scene.json": b"[]"}),
-        "no SSP file": tmp_path / "f.ssp",
+        "cannot be read as an SSP file": tmp_path / "f.ssp",
     }
     (tmp_path / "f.ssp").write_bytes(b"PK nothing")
     for sentence, path in cases.items():
