@@ -63,8 +63,12 @@ for index in range(round(END / STEP)):
     turn = turn * Rotation.from_rotvec(STEP * (rate + 0.5 * STEP * angular))
     velocity, rate = velocity + STEP * linear, rate + STEP * angular
 
-for line in ("HL3", "HL2", "HL1"):
-    print(line, f"{wing.getReal([references[f'{line}.latch_time']])[0]:.6f} s")
+lines = ("HL3", "HL2", "HL1")
+latch_times = dict(
+    zip(lines, wing.getReal([references[f"{line}.latch_time"] for line in lines]), strict=True)
+)
+for line, time in latch_times.items():
+    print(line, f"{time:.6f} s")
 print("attitude at the end, deg:", np.degrees(turn.as_rotvec()).round(4))
 wing.terminate()
 wing.freeInstance()

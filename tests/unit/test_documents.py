@@ -34,3 +34,14 @@ def test_evidence_exists(page):
         m for m in modules if not ((root / f"{m}.py").exists() or (root / m / "__main__.py").exists())
     ]
     assert missing == []
+
+
+@pytest.mark.slow
+def test_the_recipe_by_impulses(tmp_path, monkeypatch):
+    """Independent path: latch times of the scene with the spacecraft built in, `amos3 --variant free`, all rigid."""
+    monkeypatch.chdir(tmp_path)
+    text = (DOCUMENTS.parent / "examples/wing_on_a_spacecraft.py").read_text(encoding="utf-8")
+    found = {}
+    exec(compile(text.replace("END = 10e-3, 14.0", "END = 10e-3, 8.5"), "recipe", "exec"), found)
+    assert found["latch_times"]["HL3"] == pytest.approx(7.39688, abs=1e-4)
+    assert found["latch_times"]["HL2"] == pytest.approx(8.47970, abs=1e-4)
