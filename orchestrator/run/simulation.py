@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -21,13 +21,16 @@ from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
 from ..results.attitude import turned_over
+from ..results.earlier import SETTINGS, settings_text
+from ..results.earlier import refuse_to_lose as refuse_to_lose_result
 from ..results.result_file import refuse_to_replace, with_told
 from ..scene import CheckedScene, read_scene
 from ..scene.component_connections import WrenchMode
+from ..scene.digests import digests
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
-from .errors import InterruptedRunError
+from .errors import whole_if_interrupted
 from .idle_events import idle_events
 from .limits.compression import compressed_sentences
 from .limits.creep import creeping_sentences
@@ -43,7 +46,8 @@ from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
-_NAMES = ("rigid", "flexible", "large_deformation", "signals")
+_FIDELITIES = ("rigid", "flexible", "large_deformation")
+_NAMES = (*_FIDELITIES, "signals")
 _DAMPED, _TIMES_DAMPED = 0.05, 3.0
 """Part of critical damping, and times what was asked, beyond which a latch shows another peak."""
 
@@ -121,6 +125,22 @@ class Options:
         options = {one.name: getattr(self, one.name) for one in fields(self)} | names
         return {"file": scene.file, "tree": scene.tree, "options": options, "estimate": estimate}
 
+    def made_with(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
+        """All that a result follows from besides its scene, as JSON holds it; processes change nothing in it."""
+        options = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "isolate"}
+        options |= {name: sorted(getattr(self, name)) for name in _NAMES}
+        options["until"] = self.until or scene.header.until
+        options["tolerance"] = self.tolerance or scene.header.tolerance
+        return {**options, "estimate": estimate, "files": digests(scene)}
+
+    @property
+    def fidelity(self) -> str:
+        """What names of files call the bodies that are not as the scene says: rigid, ..., or mixed; empty for none."""
+        kinds = [(name, frozenset(getattr(self, name))) for name in _FIDELITIES if getattr(self, name)]
+        if len(kinds) == 1 and kinds[0][1] == {"all"}:
+            return kinds[0][0]
+        return "mixed" if kinds else ""
+
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
@@ -172,38 +192,25 @@ def simulate(
     for sentence in _before(scene, options, assembly):
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
+    asked = options.asked(scene, estimate) | {SETTINGS: settings_text(options.made_with(scene, estimate))}
     own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
     with own as load:
         assembly = with_energy_of_loads(assembly, settings, end, options.master, progress, load)
         with followed(progress, assembly.name, end) as watch:
-            asked = options.asked(scene, estimate)
             outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
-            with _whole(assembly, outcome):
+            with whole_if_interrupted(assembly.name, outcome.result, "its errors were estimated", "these"):
                 with followed(progress, f"{assembly.name}: errors", end) as watch:
                     outcome = with_estimates(assembly, outcome, settings, end, watch, load)
-                if options.refine:
-                    outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
+            if options.refine:
+                outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
     for sentence in _after(scene, options, assembly, outcome):
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
     outcome = replace(outcome, result=with_told(kept, told))
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
-
-
-@contextmanager
-def _whole(assembly: Assembly, outcome: Outcome) -> Iterator[None]:
-    """Tell whoever interrupts what follows a run that the run is whole."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        where = f"the result in {outcome.result.path}" if outcome.result.path else "the result"
-        sentence = "interrupted while its errors were estimated, or it was repeated for them"
-        raise InterruptedRunError(
-            f"{assembly.name}: {sentence}; {where} is whole but for these", outcome.result, sentence
-        ) from None
 
 
 def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
@@ -309,9 +316,14 @@ def _damping_time(assembly: Assembly, hinge: str) -> float:
     return float(damping / stiffness) if stiffness else 0.0
 
 
-def result_file(name: str, variants: Sequence[str]) -> Path:
-    """File of the result of a scene with variants where none is named."""
-    return Path(".".join((name, *variants, "h5")))
+def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: bool) -> None:
+    """ResultError where a file is no result of such a run, which would replace it."""
+    refuse_to_lose_result(path, scene.tree, options.made_with(scene, estimate))
+
+
+def result_file(name: str, variants: Sequence[str], fidelity: str = "", ending: str = "h5") -> Path:
+    """File of the result of a scene with variants, at a fidelity, where none is named."""
+    return Path(".".join(filter(None, (name, *variants, fidelity, ending))))
 
 
 def phase_file(path: Path, phase: str) -> Path:

@@ -10,10 +10,11 @@ from typing import Any
 
 from ...run.simulation import Options
 from ...scene.builder import Scene
+from ...scene.digests import digests
 from .distributions import StudyError
 from .journal import Asked, Journal
 from .plan import Plan
-from .same_files import digests, refuse_changed
+from .same_files import refuse_changed
 from .sample import Sample, Task, run_sample
 from .study import Study, plan_of
 from .varied import Settings
@@ -132,7 +133,7 @@ def asked_of(task: Task, plan: Plan) -> dict[str, Any]:
         "runs": plan.runs,
         "levels": plan.levels,
         "seed": plan.seed,
-        "files": digests(task.scene),
+        "files": digests(scene),
     }
 
 
