@@ -115,6 +115,13 @@ def large_deformation_option(command: Command) -> Command:
     )(command)  # fmt: skip
 
 
+def replace_option(command: Command) -> Command:
+    """The option of commands whose file is kept from one of other settings."""
+    return click.option(
+        "--replace", is_flag=True, help="Replace what is there, even if it was made with other settings."
+    )(command)
+
+
 def plugin_option(command: Command) -> Command:
     """The option of commands that take no scene, which names its plugins itself."""
 

@@ -14,7 +14,7 @@ import h5py
 
 from .differences import leaves
 from .parts import json_of
-from .result import FORMAT, HDF5_ERRORS, ResultError
+from .result import HDF5_ERRORS, ResultError
 from .result_file import refuse_to_replace
 
 SETTINGS, _TREE = "settings", "scene_tree"
@@ -47,11 +47,22 @@ def refuse_to_lose(path: Path, tree: Mapping[str, object], settings: Mapping[str
     if not all(before.values()):
         raise ResultError(f"{path}: this result does not say what it was made with; {_WAY_OUT}")
     now = {_TREE: json.dumps(tree), SETTINGS: settings_text(settings)}
-    if unlike := _differences(_leaves(before), _leaves(now)):
-        more = f" and {len(unlike) - _TOLD} more" if len(unlike) > _TOLD else ""
-        raise ResultError(
-            f"{path}: this result was made with other settings, {', '.join(unlike[:_TOLD])}{more}. It stays: {_WAY_OUT}"
-        )
+    if sentence := unlike(path, _leaves(before), _leaves(now)):
+        raise ResultError(sentence)
+
+
+def unlike(path: Path, before: Mapping[str, str], now: Mapping[str, str]) -> str:
+    """Why a file stays: by key, what it was made with and what is asked for now differ; empty where they do not."""
+    differing = [
+        f"{key} {before.get(key, '-')} instead of {now.get(key, '-')}"
+        for key in dict.fromkeys((*before, *now))
+        if before.get(key) != now.get(key)
+    ]
+    if not differing:
+        return ""
+    more = f" and {len(differing) - _TOLD} more" if len(differing) > _TOLD else ""
+    told = ", ".join(differing[:_TOLD])
+    return f"{path}: this file was made with other settings, {told}{more}. It stays: {_WAY_OUT}"
 
 
 def _text(file: h5py.File, name: str) -> str:
@@ -63,12 +74,3 @@ def _text(file: h5py.File, name: str) -> str:
 def _leaves(texts: Mapping[str, str]) -> dict[str, str]:
     """Every setting and every value of the scene by its key."""
     return {key: text for name in (SETTINGS, _TREE) for key, text in leaves("", json_of(texts[name]))}
-
-
-def _differences(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
-    keys = dict.fromkeys((*before, *now))
-    return [
-        f"{key} {before.get(key, '-')} instead of {now.get(key, '-')}"
-        for key in keys
-        if before.get(key) != now.get(key)
-    ]

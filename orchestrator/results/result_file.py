@@ -163,7 +163,7 @@ class ResultWriter:
 
     def _go_back_to(self, place: Place) -> None:
         """Drop what was written after a place; the chunk that it lies in is written anew as a whole."""
-        rows, events, checksum = place
+        rows, events, _ = place
         columns = [(h5py.Dataset(column.dataset), column.where) for column in (*self._columns, self._time)]
         for dataset, _ in columns:
             if len(dataset) < rows or dataset.chunks[0] != _ROWS:
@@ -179,7 +179,9 @@ class ResultWriter:
             self._check_event(time, component, text)
         self._events_written = events
         if self._place() != place:
-            raise ValueError("rows or events before its checkpoint are not those that were written; run it anew")
+            raise ValueError(
+                "rows or events before its checkpoint are not those that were written; run it anew"
+            )
         for dataset, _ in columns:
             dataset.resize(rows, 0)
         for dataset in folder.values():
@@ -193,7 +195,7 @@ class ResultWriter:
             return self._place()
 
     def _place(self) -> Place:
-        checksum = crc32(self._buffer[: self._filled], self._rows_checksum)
+        checksum = crc32(self._buffer[: self._filled].data, self._rows_checksum)
         return Place(self._start + self._filled, self._events_written, checksum ^ self._events_checksum)
 
     @property
@@ -318,7 +320,7 @@ class ResultWriter:
     def _turn_over(self) -> None:
         """Begin the next chunk where this one is full."""
         if self._filled == _ROWS:
-            self._rows_checksum = crc32(self._buffer, self._rows_checksum)
+            self._rows_checksum = crc32(self._buffer.data, self._rows_checksum)
             self._start, self._filled = self._start + _ROWS, 0
 
     def _check_event(self, time: float, component: bytes, text: bytes) -> None:

@@ -228,7 +228,7 @@ def run(
     """Run an assembly, its result into a file or, without one, into memory; RunError where it does not finish.
 
     With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one. asked:
-    what a checkpoint tells of the run besides where it stands, and the text of its `SETTINGS`. start: the checkpoint to go
+    what a checkpoint tells of the run besides where it stands, and the text of `SETTINGS`. start: the checkpoint to go
     on from.
     """
     asked_for = output, settings, until, master, watch, warn, load, asked, start

@@ -46,8 +46,7 @@ from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
-_FIDELITIES = ("rigid", "flexible", "large_deformation")
-_NAMES = (*_FIDELITIES, "signals")
+_NAMES = ("rigid", "flexible", "large_deformation", "signals")
 _DAMPED, _TIMES_DAMPED = 0.05, 3.0
 """Part of critical damping, and times what was asked, beyond which a latch shows another peak."""
 
@@ -133,14 +132,6 @@ class Options:
         options["tolerance"] = self.tolerance or scene.header.tolerance
         return {**options, "estimate": estimate, "files": digests(scene)}
 
-    @property
-    def fidelity(self) -> str:
-        """What names of files call the bodies that are not as the scene says: rigid, ..., or mixed; empty for none."""
-        kinds = [(name, frozenset(getattr(self, name))) for name in _FIDELITIES if getattr(self, name)]
-        if len(kinds) == 1 and kinds[0][1] == {"all"}:
-            return kinds[0][0]
-        return "mixed" if kinds else ""
-
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
@@ -200,9 +191,11 @@ def simulate(
             outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
-            with whole_if_interrupted(assembly.name, outcome.result, "its errors were estimated", "these"):
-                with followed(progress, f"{assembly.name}: errors", end) as watch:
-                    outcome = with_estimates(assembly, outcome, settings, end, watch, load)
+            with (
+                whole_if_interrupted(assembly.name, outcome.result, "its errors were estimated", "these"),
+                followed(progress, f"{assembly.name}: errors", end) as watch,
+            ):
+                outcome = with_estimates(assembly, outcome, settings, end, watch, load)
             if options.refine:
                 outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
     for sentence in _after(scene, options, assembly, outcome):
@@ -319,6 +312,15 @@ def _damping_time(assembly: Assembly, hinge: str) -> float:
 def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: bool) -> None:
     """ResultError where a file is no result of such a run, which would replace it."""
     refuse_to_lose_result(path, scene.tree, options.made_with(scene, estimate))
+
+
+def fidelity_word(**kinds: Collection[str]) -> str:
+    """What files are called by the bodies of each kind: rigid, ..., mixed; empty where all are as the scene says."""
+    asked = {kind: frozenset(names) for kind, names in kinds.items() if names}
+    if not asked:
+        return ""
+    kind = next(iter(asked))
+    return kind if asked == {kind: {"all"}} else "mixed"
 
 
 def result_file(name: str, variants: Sequence[str], fidelity: str = "", ending: str = "h5") -> Path:
