@@ -20,7 +20,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from threading import Event as Signal
@@ -125,8 +125,11 @@ class ResultWriter:
         refuse_to_replace(writer.path)
         try:
             writer._file = h5py.File(writer.path, "r+", libver=("v108", "v108"))
-            writer._find_columns(groups)
-            writer._go_back_to(place)
+            with ExitStack() as stack:
+                stack.callback(writer._file.close)
+                writer._find_columns(groups)
+                writer._go_back_to(place)
+                stack.pop_all()
         except HDF5_ERRORS as error:
             raise ResultError(f"{path}: the result cannot be gone on with ({reason(error)})") from None
         writer._identity = _identity(writer.path)
@@ -172,7 +175,7 @@ class ResultWriter:
             self._start, self._filled = start, min(_ROWS, rows - start)
             for dataset, where in columns:
                 found = dataset[start : start + self._filled]
-                self._buffer[: self._filled, where] = found.reshape(self._filled, -1)
+                self._buffer[: self._filled, where] = found if found.ndim == 2 else found[:, None]
             self._turn_over()
         folder = self._file["events"]
         for time, component, text in zip(*(folder[name][:events] for name in _EVENT_COLUMNS), strict=True):

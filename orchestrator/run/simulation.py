@@ -310,7 +310,13 @@ def _damping_time(assembly: Assembly, hinge: str) -> float:
 
 
 def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: bool) -> None:
-    """ResultError where a file is no result of such a run, which would replace it."""
+    """ResultError or RunError where a file is no result of such a run, or is one to go on with, and would be lost."""
+    refuse_to_replace(path)
+    if path.is_file() and checkpoint_file(path).is_file():
+        raise RunError(
+            f"{path}: an interrupted run stands here. Go on with it by `fanfold resume {path}`, name another file "
+            "(--output), or allow its loss by --replace (replace=True)"
+        )
     refuse_to_lose_result(path, scene.tree, options.made_with(scene, estimate))
 
 

@@ -289,6 +289,40 @@ def test_file_that_may_grow_no_further_keeps_its_rows(tmp_path, size_limit, room
             np.testing.assert_array_equal(result.signal(f"c{g}", name), result.time + g)
 
 
+def test_a_run_whose_first_rows_have_no_room_does_not_begin(tmp_path, monkeypatch):
+    """Full disk: it is told before the first step, and an earlier result stays in every byte."""
+    path = write(tmp_path / "run.h5")
+    before = path.read_bytes()
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("orchestrator.results.result_file.reserve", full)
+    assert "cannot be written here (No space left on device)" in message(
+        ResultWriter, path, GROUPS, {}, {}, ()
+    )
+    assert path.read_bytes() == before
+    assert [found.name for found in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_a_disk_that_fills_within_a_second_takes_no_row(tmp_path, monkeypatch):
+    """Full disk: its first thousand rows had their room; what is handed over then is refused at once."""
+    path, handed = tmp_path / "run.h5", []
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    def fill():
+        with ResultWriter(path, GROUPS, {}, {}, ()) as writer:
+            monkeypatch.setattr("orchestrator.results.result_file.reserve", full)
+            while True:
+                handed.append(float(len(handed)))
+                writer.append(handed[-1], [np.zeros(4), np.zeros(1)])
+
+    assert message(fill).endswith("it holds what was up to t = 999 s")
+    assert Result.open(path).time.tolist() == handed
+
+
 def test_nothing_of_what_is_reserved_stays(tmp_path):
     path = write(tmp_path / "run.h5")
     with h5py.File(path) as file:
