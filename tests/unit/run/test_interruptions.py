@@ -95,7 +95,8 @@ def test_interruptions_after_a_run_end_the_command(monkeypatch, tmp_path, number
         assert [one.name for one in tmp_path.glob("run.*")] == ["run.h5"]
 
 
-def test_a_repetition_interrupted_in_python_keeps_the_result(tmp_path):
+@pytest.mark.parametrize(("errors", "repeated"), [(True, False), (False, True), (True, True)])
+def test_a_repetition_interrupted_in_python_keeps_the_result(errors, repeated):
     """As a run that is interrupted: an error that holds the result, here the whole earlier one, with its errors."""
 
     @contextmanager
@@ -106,12 +107,12 @@ def test_a_repetition_interrupted_in_python_keeps_the_result(tmp_path):
 
         yield show
 
-    for errors, repeated in ((True, False), (False, True), (True, True)):
-        with pytest.raises(RunError, match="is whole") as caught:
-            fanfold.simulate("workbench", rigid="all", until=0.02, progress=interrupting)
-        assert caught.value.result.complete
-        assert caught.value.result.time[-1] == 0.02
-        assert ("estimated_errors" in caught.value.result.statistics) == repeated
+    with pytest.raises(RunError, match="is whole") as caught:
+        fanfold.simulate("workbench", rigid="all", until=0.02, progress=interrupting)
+    result = caught.value.result
+    assert result.complete
+    assert result.time[-1] == 0.02
+    assert ("estimated_errors" in result.statistics) == repeated
 
 
 TELLING = """
