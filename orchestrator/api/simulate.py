@@ -15,7 +15,7 @@ from ..cosim.ports import Order
 from ..results.result import ResultError
 from ..run.progress import Progress
 from ..run.run import MasterKind
-from ..run.simulation import Options
+from ..run.simulation import Options, refuse_to_lose
 from ..run.simulation import resume as resume_simulation
 from ..run.simulation import simulate as run_simulation
 from ..scene import list_scenes
@@ -92,6 +92,38 @@ def options_of(
     )
 
 
+def run_options(
+    *,
+    rigid: Names = (),
+    flexible: Names = (),
+    large_deformation: Names = (),
+    until: Quantity | None = None,
+    tolerance: float | None = None,
+    step: Quantity | None = None,
+    order: Order | None = None,
+    master: MasterKind = "implicit",
+    backend: Backend | None = None,
+    checkpoint: Quantity | None = None,
+    isolate: bool = False,
+    refine: bool = True,
+    record: Quantity = "all",
+    signals: Names = (),
+) -> Options:
+    """What `simulate` is given of a run."""
+    return replace(
+        options_of(rigid, flexible, large_deformation, until, tolerance),
+        step=in_si(step, "s", "step"),
+        order=order,
+        master=master,
+        backend=backend,
+        checkpoint=in_si(checkpoint, "s", "checkpoint"),
+        refine=refine,
+        isolate=isolate,
+        record=None if record == "all" else in_si(record, "s", "record"),
+        signals=listed(signals),
+    )
+
+
 def simulate(
     scene: SceneLike,
     *,
@@ -111,6 +143,7 @@ def simulate(
     refine: bool = True,
     record: Quantity = "all",
     signals: Names = (),
+    replace: bool = True,
     progress: bool | Progress | None = None,
 ) -> Result:
     """Deploy a scene and return what happened, in memory or in the file that `save` names.
@@ -124,28 +157,36 @@ def simulate(
     where these are likely to miss the tolerance, run again at a smaller one. record: which rows the result keeps,
     "all" or one in so much time (s) beside those of events and peaks, so that headline numbers stay the same. signals:
     which it keeps beside what headline numbers need, by COMPONENT or COMPONENT.VARIABLE, as patterns such as "hl1_*".
-    progress: a bar, by default in notebooks.
+    replace: an earlier result in the file; if false, only one of the same scene and settings is, and others are a
+    ResultError before the run. progress: a bar, by default in notebooks.
 
     What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
     """
-    loaded = as_scene(scene)
-    options = replace(
-        options_of(rigid, flexible, large_deformation, until, tolerance),
-        step=in_si(step, "s", "step"),
+    checked = as_scene(scene).check_one_run()
+    options = run_options(
+        rigid=rigid,
+        flexible=flexible,
+        large_deformation=large_deformation,
+        until=until,
+        tolerance=tolerance,
+        step=step,
         order=order,
         master=master,
         backend=backend,
-        checkpoint=in_si(checkpoint, "s", "checkpoint"),
-        refine=refine,
+        checkpoint=checkpoint,
         isolate=isolate,
-        record=None if record == "all" else in_si(record, "s", "record"),
-        signals=listed(signals),
+        refine=refine,
+        record=record,
+        signals=signals,
     )
+    path = None if save is None else Path(save)
+    if path is not None and not replace:
+        refuse_to_lose(path, checked, options, estimate)
     found = run_simulation(
-        loaded.check_one_run(),
+        checked,
         options,
-        None if save is None else Path(save),
+        path,
         estimate=estimate,
         progress=chosen(progress),
         warn=warn,

@@ -66,6 +66,7 @@ def study(
     signals: Names = (),
     points: int = 201,
     save: str | Path | None = None,
+    replace: bool = True,
     progress: StudyProgress | None = None,
 ) -> Study:
     """Run a scene many times with values drawn from distributions.
@@ -79,7 +80,7 @@ def study(
     Dask scheduler instead. rigid ... tolerance: as for `simulate`. estimate: errors of headline numbers in every run.
     signals: what to keep over time, by patterns of COMPONENT.VARIABLE, at so many points; a FanfoldWarning tells of
     those that nothing matches. save: an HDF5 file, beside which a table (.csv) is written; an interrupted study goes on
-    with `resume_study`.
+    with `resume_study`. replace: an earlier study in that file; if false, only one of the same settings is.
 
     StudyError or SceneError where it cannot begin; samples that fail are kept in `failed`.
     """
@@ -88,7 +89,8 @@ def study(
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
     task = Task(as_scene(scene), options, estimate, listed(signals), points)
     _tell_of_unknown_signals(task)
-    found = begin(task, plan, None if save is None else Path(save), workers, cluster, progress or _silent)
+    path = None if save is None else Path(save)
+    found = begin(task, plan, path, workers, cluster, progress or _silent, replace=replace)
     return Study.of_record(found)
 
 

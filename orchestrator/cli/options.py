@@ -138,6 +138,13 @@ def result_options(command: Callable[..., None]) -> Callable[..., None]:
     return plugin_option(click.option("--trust", is_flag=True, help=text)(trusting))
 
 
+def replace_option(command: Command) -> Command:
+    """The option of commands whose file is kept from one of other settings."""
+    return click.option(
+        "--replace", is_flag=True, help="Replace what is there, even if it was made with other settings."
+    )(command)
+
+
 def plugin_option(command: Command) -> Command:
     """The option that loads plugins, before anything else."""
 

@@ -13,7 +13,14 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, large_deformation_option, ordered_names, refuse_idle, scene_choice
+from .options import (
+    SceneChoice,
+    large_deformation_option,
+    ordered_names,
+    refuse_idle,
+    replace_option,
+    scene_choice,
+)
 from .types import Number, OutputFile, Seconds
 
 if TYPE_CHECKING:
@@ -65,8 +72,12 @@ _LEAST_ROOM = 20
     "--points", type=click.IntRange(min=2), default=201, show_default=True, help="Times of signals."
 )
 @click.option(
-    "-o", "--output", type=OutputFile(), help="File of the study (HDF5), by default SCENE.study.h5."
+    "-o",
+    "--output",
+    type=OutputFile(),
+    help="File of the study (HDF5), by default SCENE.study.h5, or SCENE.rigid.study.h5, as for `fanfold run`.",
 )
+@replace_option
 @click.option("--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -85,6 +96,7 @@ def command(
     signals: tuple[str, ...],
     points: int,
     output: Path | None,
+    replace: bool,
     plot: Path | None,
     as_json: bool,
 ) -> None:
@@ -95,6 +107,8 @@ def command(
     """
     refuse_idle("--points", "--signals")
     refuse_idle("--levels", "--method")
+    from ..run.simulation import fidelity_word, result_file  # takes its time, which --help need not
+
     if choice.scene.endswith(".h5"):
         if vary or choice.variants or choice.settings:
             raise click.UsageError("a study that goes on is what it was; give no --vary, --variant or --set")
@@ -104,7 +118,8 @@ def command(
         )
     else:
         scene = choice.load()
-        path = output or Path(".".join((scene.name, *scene.chosen, "study.h5")))
+        fidelity = fidelity_word(**choice.fidelities, large_deformation=large_deformation)
+        path = output or result_file(scene.name, scene.chosen, fidelity, "study.h5")
         found = fanfold.study(
             scene,
             vary,
@@ -122,6 +137,7 @@ def command(
             signals=signals,
             points=points,
             save=path,
+            replace=replace,
             progress=samples_bar,
         )
     pictures = found.plot_all(plot) if plot else []

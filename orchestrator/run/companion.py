@@ -90,7 +90,7 @@ def with_estimates(
         try:
             other = run(assembly, None, plan, until, watch=watch, load=load)
         except InterruptedRunError:
-            break
+            raise
         except RunError:
             continue
         if not _is_astray(outcome, other):

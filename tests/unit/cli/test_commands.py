@@ -301,15 +301,41 @@ def test_output_that_cannot_be_written():
 
 
 def test_output_does_not_replace_other_files():
-    """Nothing lost: a scene that is given as output by mistake is left as it is; an earlier result is replaced."""
+    """Nothing lost: neither a scene that is given as output by mistake, nor a result of another run without leave."""
     scene = scene_file(TWO_PANELS)
     assert "scene.toml: this file is not a result and would be lost" in refused(
         "run", scene, "--until", 0.01, "--output", scene
     )
     assert Path(scene).read_text(encoding="utf-8") == TWO_PANELS
-    for end in (0.01, 0.02):
-        assert fanfold("run", scene, "--until", end, "--output", "a.h5").exit_code == 3
+    run = ("run", scene, "--rigid", "all", "--no-estimate", "--output", "a.h5", "--until")
+    assert fanfold(*run, 0.01).exit_code == fanfold(*run, 0.01).exit_code == 3
+    assert "until 0.01 instead of 0.02" in refused(*run, 0.02)
+    assert Result.open("a.h5").time[-1] == pytest.approx(0.01)
+    assert fanfold(*run, 0.02, "--replace").exit_code == 3
     assert Result.open("a.h5").time[-1] == pytest.approx(0.02)
+
+
+def test_results_of_other_fidelities_stand_side_by_side():
+    """Regression: a rigid run replaced a flexible one of an hour, as both had one name."""
+    run = ("run", SCENE, "--until", 0.005, "--no-estimate")
+    for options in ((), ("--rigid", "all"), ("--rigid", "inner")):
+        assert fanfold(*run, *options).exit_code == 3
+    assert sorted(found.name for found in Path().glob("*.h5")) == [
+        "two_panels.h5",
+        "two_panels.mixed.h5",
+        "two_panels.rigid.h5",
+    ]
+    before = Path("two_panels.mixed.h5").read_bytes()
+    assert "rigid" in refused(*run, "--rigid", "outer")
+    assert Path("two_panels.mixed.h5").read_bytes() == before
+
+
+def test_no_phase_begins_where_a_later_one_is_refused(tmp_path):
+    """Rule: before it starts; the first phase would have been for nothing."""
+    path = phased(tmp_path)
+    assert fanfold("run", path, "--variant", "second", "--set", "scene.until=0.02").exit_code in (0, 3)
+    assert "two_panels.second.h5" in refused("run", path)
+    assert not Path("two_panels.first.h5").exists()
 
 
 def test_run_that_diverges():

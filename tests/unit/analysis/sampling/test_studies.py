@@ -399,7 +399,18 @@ def test_command(tmp_path, monkeypatch):
     study = fanfold.Study.open(told["output"])
     assert told["quantiles"]["end_time"]["50%"] == 0.3
     assert study.plan.count == 4
-    assert (tmp_path / "two_panels.study.csv").is_file()
+    assert (tmp_path / "two_panels.rigid.study.csv").is_file()
+    finer = [*arguments, "--seed", "1"]
+    refused = CliRunner().invoke(main, finer)
+    assert refused.exit_code == 1
+    assert (
+        "two_panels.rigid.study.h5: this file was made with other settings, seed 0 instead of 1"
+        in refused.stderr
+    )
+    assert fanfold.Study.open(told["output"]).plan.seed == 0
+    assert CliRunner().invoke(main, [*finer, "--replace"]).exit_code == 0
+    assert fanfold.Study.open(told["output"]).plan.seed == 1
+    assert CliRunner().invoke(main, finer).exit_code == 0
     shown = CliRunner().invoke(main, ["study", str(WING), "--vary", "friction.coefficient=uniform(1)"])
     assert shown.exit_code == 1
     assert "it is written uniform(LOW, HIGH)" in shown.stderr
