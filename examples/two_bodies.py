@@ -8,7 +8,7 @@ START = 0.0, 0.0, 0.1, 0.0  # position and velocity of body 1, then of body 2
 
 
 def body(position, velocity, mass, mean, slope, h):
-    """Position and velocity at the end of a step of a mass under mean + slope (2 t / h - 1), and its velocity's moment."""
+    """Position and velocity of a mass after a step under mean + slope (2 t / h - 1), and the moment of its velocity."""
     end = position + h * velocity + h * h * (3.0 * mean - slope) / (6.0 * mass)
     return end, velocity + h * mean / mass, h * h * mean / (6.0 * mass)
 

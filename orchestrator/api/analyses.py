@@ -22,7 +22,6 @@ from .warnings import warn
 
 if TYPE_CHECKING:
     from ..analysis.appendage.model import Appendage
-    from ..analysis.constraints import Constraints
     from ..analysis.equilibrium import Equilibrium
     from ..analysis.frequency_response import FrequencyResponse
     from ..analysis.impact import Impact
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
     from ..analysis.torque_margin.sweep import FrictionKind
     from ..assembly.statics.configuration import Configuration, Named
     from ..scene.hinge_line_tables import HingeLine
+    from ..scene.loops.freedoms import Constraints
 
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
@@ -48,7 +48,7 @@ Way = tuple[Quantity, Quantity]
 
 def constraints(scene: SceneLike) -> Constraints:
     """Constraints of a scene's joints where it starts: count, rank, redundant ones, what can move."""
-    from ..analysis.constraints import find_constraints
+    from ..scene.loops.freedoms import find_constraints
 
     return find_constraints(load(scene).check_one_run())
 

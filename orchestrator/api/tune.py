@@ -34,8 +34,8 @@ def tune(
     """Find values within ranges that bring headline numbers, and measured curves, where they are wanted.
 
     vary: ranges by key, such as {"hinge_line.HL1.motor.stowed": "uniform(1.2 N.m, 2 N.m)"}; a key that ends in * is
-    multiplied, keys with commas between get the same. targets: by NAME.QUANTITY, such as {"HL1.latch_time": "11.6 s"}
-    or {"HL2.latch_torque_peak": 40}, in the unit that headline numbers are told in. curve: a CSV file, times (s) in the
+    multiplied, keys with commas between get the same. targets: by identifier, such as {"latch_time.HL1": "11.6 s"}
+    or {"latch_rate.HL2": "2 deg/s"}, in the unit that headline numbers are told in. curve: a CSV file, times (s) in the
     first column, others headed COMPONENT.VARIABLE, with [1] for the first of several. Bounded least squares from the
     scene's own values, with derivatives as `gradients` has them or by differences of runs. accuracy:
     largest relative difference to end with. most_runs: what it may cost, derivatives included; the best so far is

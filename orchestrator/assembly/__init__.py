@@ -44,7 +44,8 @@ class HingeLine:
     latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes. bolted:
     whether hold-downs or a drive keep it there. known: the range (rad) of its way and of what tables of its motor and
     harness tell; empty without any. coupled: the lines of a group that cable loops couple, this one included, and
-    their rates over that of this one; empty without loops.
+    their rates over that of this one; empty without loops. inertia: effective one at latch-up (kg.m2) as in
+    `effective_inertia` or the scene's own; None without a latch.
     """
 
     name: str
@@ -59,6 +60,7 @@ class HingeLine:
     bolted: bool = False
     known: tuple[float, ...] = ()
     coupled: tuple[tuple[str, float], ...] = ()
+    inertia: float | None = None
 
     @property
     def locks_rigid(self) -> bool:

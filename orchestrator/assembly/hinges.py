@@ -27,12 +27,16 @@ _FAR_OFF = 3.0
 
 
 class LatchSetting(NamedTuple):
-    """How a line latches: kind, totals of a spring's stiffness (N.m/rad) and damping (N.m.s/rad), measured curve."""
+    """How a line latches: kind, totals of a spring's stiffness (N.m/rad) and damping (N.m.s/rad), measured curve.
+
+    inertia: effective one of the line (kg.m2), where it has a latch.
+    """
 
     kind: Literal["none", "spring", "table", "kinematic"]
     stiffness: float
     damping: float
     measured: MeasuredLatch | None = None
+    inertia: float | None = None
 
 
 def latch_setting(
@@ -81,7 +85,8 @@ def line_latch(
     inboard = flexible[line.inboard] if line.inboard != base else not (latch and latch.inboard_stiffness)
     outboard = flexible[line.outboard] if line.outboard != base else not (latch and latch.outboard_stiffness)
     inertia = 0.0 if line.latch is None else line.latch.effective_inertia or effective_inertia(scene, line)
-    return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping, inertia)
+    found = latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping, inertia)
+    return found._replace(inertia=inertia or None)
 
 
 def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterator[str]:
@@ -149,6 +154,7 @@ def assembly_line(
         bolted=bolted,
         known=_known(line),
         coupled=coupled,
+        inertia=latch.inertia,
     )
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 NOT_OPENED = 3
 """Exit code of a run that reached its end while a line has not opened that should have."""
+every_option = click.option("--all", "every", is_flag=True, help="Show every headline number.")
 _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 
 
@@ -73,6 +76,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     help="Signals that the result keeps beside those of headline numbers, with commas between, such as "
     "'hl1_*,panel1.frame_*'; by default all.",
 )  # fmt: skip
+@every_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     choice: SceneChoice,
@@ -90,6 +94,7 @@ def command(
     refine: bool,
     record: float | None,
     signals: tuple[str, ...],
+    every: bool,
     as_json: bool,
     backend: Backend | None,
 ) -> None:
@@ -134,7 +139,7 @@ def command(
         contents[phase] = content(result, verified)
         opened = opened and not result.headline.not_opened
         if not as_json:
-            report(result, verified)
+            report(result, verified, every=every)
     if as_json:
         click.echo(json.dumps({"phases": contents} if len(runs) > 1 else contents[next(iter(runs))]))
     _exit_unless(opened)
@@ -151,8 +156,9 @@ def content(result: Result, verified: list[Verified] | None) -> dict[str, object
 
 @click.command("resume")
 @click.argument("result", type=click.Path(path_type=Path, dir_okay=False))
+@every_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def resume_command(result: Path, as_json: bool) -> None:
+def resume_command(result: Path, every: bool, as_json: bool) -> None:
     """Go on with the interrupted run of RESULT from its last checkpoint, in every bit as it would have gone on.
 
     Runs keep checkpoints with --checkpoint.
@@ -161,7 +167,7 @@ def resume_command(result: Path, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(content(found, None)))
     else:
-        report(found, None)
+        report(found, None, every=every)
     _exit_unless(not found.headline.not_opened)
 
 
@@ -171,33 +177,36 @@ def _exit_unless(opened: bool) -> None:
         click.get_current_context().exit(NOT_OPENED)
 
 
-def report(result: Result, verified: list[Verified] | None) -> None:
+def report(result: Result, verified: list[Verified] | None, *, every: bool = False) -> None:
     """What a run found, for people."""
-    from .tables import headline_table, terminal
+    from .tables import headline_tables, terminal
 
     console, costs = terminal(), result.costs
     console.print(result.headline.verdict)
-    console.print(headline_table(result.headline))
-    console.print(
-        f"{costs['steps']} steps ({costs['rejected_steps']} rejected), {costs['iterations']} iterations, "
-        f"{costs['wall_time_s']:.1f} s wall time, {costs['fmu_time_share']:.0%} of it in FMUs, "
-        f"{costs['real_time_factor']:.2f} times real time; result in {result.path}"
+    for table in headline_tables(result.headline, every=every):
+        console.print(table)
+    say = partial(console.print, soft_wrap=True, highlight=False)  # one line each, whatever the width
+    say(
+        f"{costs['steps']} steps, {costs['rejected_steps']} rejected, {costs['iterations']} iterations, "
+        f"{costs['wall_time_s']:.1f} s wall time, {costs['real_time_factor']:.3g} times real time"
     )
+    for note in result.notes if every else ():
+        say(f"note: {note}")
     if verified is not None:
         console.print(_verification_table(verified))
+    say(f"next: fanfold report {shlex.quote(str(result.path))}")
 
 
 def _verification_table(verified: list[Verified]) -> Table:
     from rich.table import Table
 
     table = Table(title="verification: steps halved and quartered, errors estimated")
-    table.add_column("quantity")
+    table.add_column("number", overflow="fold")
     for heading in ("value", "extrapolated", "error", "order"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("unit")
     for v in verified:
-        name = " ".join(filter(None, (v.number.quantity, v.number.of)))
         order = "" if v.order is None else f"{v.order:.2f}"
         numbers = (f"{v.number.value:.7g}", f"{v.extrapolated:.7g}", f"{v.error:.2g}", order)
-        table.add_row(name, *numbers, "" if v.number.unit == "1" else v.number.unit)
+        table.add_row(v.number.id, *numbers, "" if v.number.unit == "1" else v.number.unit)
     return table

@@ -27,8 +27,8 @@ _NOT_REACHED = 2
 @scene_choice
 @large_deformation_option
 @click.option(
-    "--target", "targets", multiple=True, metavar="NAME.QUANTITY=VALUE",
-    help="What a headline number is to be, such as 'HL1.latch_time=11.6 s'; repeatable.",
+    "--target", "targets", multiple=True, metavar="NUMBER=VALUE",
+    help="What a headline number is to be, such as 'latch_time.HL1=11.6 s'; repeatable.",
 )  # fmt: skip
 @click.option(
     "--curve", type=click.Path(path_type=Path, exists=True, dir_okay=False), metavar="CSV",

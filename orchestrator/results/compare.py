@@ -12,18 +12,23 @@ from numpy.typing import NDArray
 
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
+from .energy_ledger import tolerance_asked
 from .estimated_errors import POINT_PEAKS
+from .identifiers import identifier
 from .key_figures import latch_times, line_latch_torque, shown
+from .lines.latch_impulse import latch_impulses
+from .lines.latch_rate import latch_energies, latch_rates
 from .peaks.crests import Peak
 from .peaks.search import peak
 from .point_loads import point_loads
 from .result import Result
-from .round_off import noise_floor, without_noise
+from .round_off import NOISE, noise_floor, without_noise
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
 
 _LARGE_RATIO = 1e3
+_LATCH_UP = "latch-up"
 _SAME_END = 1e-9  # of the end: what summing steps leaves
 
 
@@ -31,7 +36,8 @@ _SAME_END = 1e-9  # of the end: what summing steps leaves
 class Compared:
     """One quantity of two results: magnitudes at the peak and their times (s), None where a result has none.
 
-    A latch event has no magnitude. noise_a, noise_b: it is round-off beside the component's other loads.
+    A latch event has no magnitude. noise_a, noise_b: it is round-off beside the component's other loads. is_small: it
+    is below the tolerance beside the largest of them in one of both, so that a ratio says nothing.
     """
 
     quantity: str
@@ -43,26 +49,34 @@ class Compared:
     time_b: float | None
     noise_a: bool = False
     noise_b: bool = False
+    is_small: bool = False
+
+    @property
+    def id(self) -> str:
+        """Identifier of the headline number that it is; loads of a base by their axis."""
+        if self.quantity == _LATCH_UP:
+            return identifier("latch time", self.of)
+        return identifier(self.quantity, self.of.rpartition(" ")[2])
 
     @property
     def ratio(self) -> float | None:
-        """B over A; None where either is missing or round-off, or A is zero."""
-        return self.b / self.a if self.a and self.b is not None and not self._noisy else None
+        """B over A; None where either is missing, round-off or small beside its like, or A is zero."""
+        return self.b / self.a if self.a and self.b is not None and not self._says_nothing else None
 
     @property
     def shift(self) -> float | None:
-        """Time of B minus time of A (s); None where either is missing or round-off."""
-        if self.time_a is None or self.time_b is None or self._noisy:
+        """Time of B minus time of A (s); None where either is missing, round-off or small beside its like."""
+        if self.time_a is None or self.time_b is None or self._says_nothing:
             return None
         return self.time_b - self.time_a
 
     @property
-    def _noisy(self) -> bool:
-        return self.noise_a or self.noise_b
+    def _says_nothing(self) -> bool:
+        return self.noise_a or self.noise_b or self.is_small
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, for JSON."""
-        return {**asdict(self), "ratio": self.ratio, "shift": self.shift}
+        return {"id": self.id, **asdict(self), "ratio": self.ratio, "shift": self.shift}
 
 
 @dataclass(frozen=True)
@@ -75,14 +89,16 @@ class Comparison:
 
 
 def compare(a: Result, b: Result) -> Comparison:
-    """Latch events and latch torques by hinge line, then peaks of attitude and loads by component and point.
+    """Latch events, rates, energies and torques by hinge line, then peaks of attitude and loads by component and point.
 
     What is zero or round-off in both is left out.
     """
     told = [*_load_rows(a, b), *_point_rows(a, b)]
-    loads = (row for row in _with_noise(told) if not _is_nothing(row))
-    rows = (*_latch_rows(a, b), *_torque_rows(a, b), *loads)
-    return Comparison(rows, _only_in(a, b), _only_in(b, a))
+    loads = (row for row in _with_noise(told, _tolerance(a, b)) if not _is_nothing(row))
+    rows = [*_latch_rows(a, b), *_rate_rows(a, b), *_torque_rows(a, b), *loads]
+    order = list(dict.fromkeys(row.quantity for row in rows))
+    rows.sort(key=lambda row: order.index(row.quantity))
+    return Comparison(tuple(rows), _only_in(a, b), _only_in(b, a))
 
 
 def labels(a: Result, b: Result) -> tuple[str, str]:
@@ -107,7 +123,21 @@ def loads(a: Result, b: Result) -> list[tuple[str, str]]:
 def _latch_rows(a: Result, b: Result) -> Iterator[Compared]:
     times_a, times_b = latch_times(a), latch_times(b)
     for line in in_either(tuple(times_a), tuple(times_b)):
-        yield Compared("latch-up", line, "s", None, None, times_a.get(line), times_b.get(line))
+        yield Compared(_LATCH_UP, line, "s", None, None, times_a.get(line), times_b.get(line))
+
+
+def _rate_rows(a: Result, b: Result) -> Iterator[Compared]:
+    """Rates at latch-up and the energies that latches take up."""
+    found: list[tuple[dict[str, float], dict[str, float]]] = []
+    for result in (a, b):
+        times = latch_times(result)
+        rates = latch_rates(result, times)
+        found.append((rates, latch_energies(result, rates, latch_impulses(result, times))))
+    for quantity, unit, values in zip(
+        ("latch rate", "latch energy"), ("rad/s", "J"), zip(*found, strict=True), strict=True
+    ):
+        for line in in_either(*(tuple(one) for one in values)):
+            yield Compared(quantity, line, unit, values[0].get(line), values[1].get(line), None, None)
 
 
 def _torque_rows(a: Result, b: Result) -> Iterator[Compared]:
@@ -145,8 +175,16 @@ def _point_rows(a: Result, b: Result) -> Iterator[Compared]:
             yield _compared(*key, "N" if "force" in quantity else "N.m", *peaks)
 
 
-def _with_noise(rows: Sequence[Compared]) -> Iterator[Compared]:
-    """The rows, what is round-off marked: beside all of the same component, or points, and unit in the same result."""
+def _tolerance(a: Result, b: Result) -> float:
+    """What both promise beside the largest component: the larger tolerance, 0 where none is recorded."""
+    return max((tolerance_asked(result) or 0.0 for result in (a, b)), default=0.0)
+
+
+def _with_noise(rows: Sequence[Compared], tolerance: float) -> Iterator[Compared]:
+    """The rows, what is round-off or below a tolerance marked.
+
+    Beside all of the same component, or points, and unit in the same result.
+    """
 
     def group(row: Compared) -> tuple[str, str]:
         return row.quantity if row.quantity in POINT_PEAKS else row.of.partition(" ")[0], row.unit
@@ -160,7 +198,13 @@ def _with_noise(rows: Sequence[Compared]) -> Iterator[Compared]:
     }
     for row in rows:
         floor_a, floor_b = floors[group(row)]
-        yield replace(row, noise_a=_is_noise(row.a, floor_a), noise_b=_is_noise(row.b, floor_b))
+        small = any(
+            bool(value) and abs(value or 0.0) < tolerance / NOISE * floor
+            for value, floor in ((row.a, floor_a), (row.b, floor_b))
+        )
+        yield replace(
+            row, noise_a=_is_noise(row.a, floor_a), noise_b=_is_noise(row.b, floor_b), is_small=small
+        )
 
 
 def _is_noise(value: float | None, floor: float) -> bool:
@@ -205,10 +249,10 @@ def cells(row: Compared) -> tuple[str, ...]:
     return (
         "noise" if row.noise_a else _text(a, ".5g"),
         "noise" if row.noise_b else _text(b, ".5g"),
-        _text(row.ratio, ".4f" if abs(row.ratio or 0.0) < _LARGE_RATIO else ".4g"),
+        "-" if row.is_small else _text(row.ratio, ".4f" if abs(row.ratio or 0.0) < _LARGE_RATIO else ".4g"),
         "" if row.noise_a else _text(row.time_a, ".4f"),
         "" if row.noise_b else _text(row.time_b, ".4f"),
-        _text(row.shift, "+.4f"),
+        "-" if row.is_small else _text(row.shift, "+.4f"),
         unit,
     )
 

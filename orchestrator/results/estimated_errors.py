@@ -124,7 +124,7 @@ def error_messages(
     shares = _shares(numbers, errors, VOUCHED)
     notable = max(_NOTABLE, MOST_TOLERANCES * tolerance)
     large = {
-        key: share.likely for key, share in shares.items() if key[0] in PROMISED and share.likely > notable
+        key: share.most for key, share in shares.items() if key[0] in PROMISED and share.likely > notable
     }
     smaller = f"a smaller --{'step' if fixed_step else 'tolerance'}"
     advice = (
@@ -158,6 +158,14 @@ def doubtful(
     """
     shares = _shares(numbers, errors, VOUCHED)
     return {key: share.most for key, share in shares.items() if share.most > MOST_TOLERANCES * tolerance}
+
+
+def errors_told(
+    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float | None
+) -> dict[Key, float]:
+    """The error of each number in tables: beyond ten tolerances the largest possible one, otherwise the likely one."""
+    warned = {} if tolerance is None else doubtful(numbers, errors, tolerance)
+    return {key: error.most if key in warned else error.likely for key, error in errors.items()}
 
 
 def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:

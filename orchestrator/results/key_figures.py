@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import degrees
 from typing import Any, NamedTuple, TypeVar
@@ -20,11 +20,15 @@ from .estimated_errors import (
     POINT_PEAKS,
     Key,
     error_messages,
+    errors_told,
     estimated_errors,
     round_off_of_loads,
     unknown_errors,
 )
+from .identifiers import identifier
 from .lines.latch_impulse import latch_impulses
+from .lines.latch_rate import latch_energies, latch_rates
+from .lines.slack import Slack, slack_strands
 from .lines.straying import (
     Overrun,
     ShortOf,
@@ -72,6 +76,15 @@ class Number(NamedTuple):
         """What tells it from all others."""
         return self.quantity, self.of
 
+    @property
+    def id(self) -> str:
+        """Its fixed identifier, such as `latch_time.HL1`, by which commands and files name it."""
+        return identifier(self.quantity, self.of)
+
+    def as_dict(self) -> dict[str, str | float | None]:
+        """Value, unit and estimated error (None where there is none), for JSON."""
+        return {"value": self.value, "unit": self.unit, "estimated_error": self.error}
+
 
 @dataclass(frozen=True)
 class Headline:
@@ -86,6 +99,8 @@ class Headline:
     and when (s) lines with a latch or an end stop went furthest behind where they started. beyond_tables: the angle
     (rad) furthest beyond the tables of a line's motor and harness, and when. bent: how far (rad) and when
     lines turned furthest about other axes than their own, where that is more than any hinge does.
+    latch_rates: size of each line's rate just before its latch-up, rad/s; latch_energies: kinetic energy that the latch
+    takes up, J, see `latch_energies`.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
@@ -96,6 +111,7 @@ class Headline:
     attitude_at_end: rad. base_load_peaks: magnitude of force
     and torque on the base, by unit. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
+    slack: strands of cables without tension, and from when to when.
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
     numerical_dissipation and energy_residual (largest, over energy_exchanged; None where there is none): see
@@ -139,6 +155,9 @@ class Headline:
     not_opened: Mapping[str, NotOpened] = field(default_factory=dict)
     reached_stops: Mapping[str, float] = field(default_factory=dict)
     base_load_peaks: Mapping[str, float] = field(default_factory=dict)
+    latch_rates: Mapping[str, float] = field(default_factory=dict)
+    latch_energies: Mapping[str, float] = field(default_factory=dict)
+    slack: tuple[Slack, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -158,13 +177,13 @@ class Headline:
         return " ".join(sentences)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain dictionaries, tuples and numbers, ready for JSON; estimated errors by quantity, then what it is of."""
-        nested: dict[str, dict[str, float]] = {}
-        for (quantity, of), error in self.estimated_errors.items():
-            nested.setdefault(quantity, {})[of] = error
-        numbers = asdict(self)
-        del numbers["messages"]
-        return {"verdict": self.verdict, **numbers, "warnings": self.warnings, "estimated_errors": nested}
+        """Plain dictionaries, tuples and numbers, ready for JSON.
+
+        numbers: value, unit and estimated error of every headline number, by its identifier.
+        """
+        found = {"verdict": self.verdict, **asdict(self), "warnings": self.warnings}
+        del found["estimated_errors"], found["messages"]
+        return {**found, "numbers": {number.id: number.as_dict() for number in self.numbers()}}
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -230,17 +249,21 @@ class Headline:
         yield from self._numbers_of_lines()
         yield from self._numbers_of_base()
         yield from self._numbers_of_loads()
-        yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
+        yield Number("motor energy", "", self.motor_energy, "J")
         if self.supplied_energy:
-            yield Number("energy put in", "but by motors, up to the end", self.supplied_energy, "J")
+            yield Number("energy put in", "", self.supplied_energy, "J")
         if self.energy_residual is not None:
             yield Number("energy exchanged", "", self.energy_exchanged, "J")
-            yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
-            yield Number("energy residual", "relative to energy exchanged", self.energy_residual, "1")
+            yield Number("numerical dissipation", "", self.numerical_dissipation, "J")
+            yield Number("energy residual", "", self.energy_residual, "1")
 
     def _numbers_of_lines(self) -> Iterator[Number]:
         for line, time in self.latch_times.items():
             yield Number("latch time", line, time, "s")
+        for line, rate in self.latch_rates.items():
+            yield Number("latch rate", line, rate, "rad/s")
+        for line, energy in self.latch_energies.items():
+            yield Number("latch energy", line, energy, "J")
         for line, angle in self.unlatched_angles.items():
             yield Number("angle, not latched", line, angle, "rad")
         for line, passed in self.overruns.items():
@@ -263,14 +286,20 @@ class Headline:
         )
         for quantity, values, unit in vectors:
             yield from (Number(quantity, axis, v, unit) for axis, v in zip("xyz", values, strict=False))
+            if values and unit in self.base_load_peaks:
+                yield Number(magnitude_of(quantity), "", self.base_load_peaks[unit], unit)
         for quantity, peaks in _point_peaks(self):
             unit = "N" if "force" in quantity else "N.m"
             yield from (Number(quantity, point, load, unit) for point, load in peaks.items())
 
-    def _numbers_of_loads(self) -> Iterator[Number]:
+    def torque_numbers(self) -> Iterator[Number]:
+        """Peaks of the torques of single parts, such as dampers and stops, without their errors."""
         for name, torques in self.torque_peaks.items():
             for variable, torque in torques.items():
                 yield Number(peak_of(variable), name, torque, "N.m")
+
+    def _numbers_of_loads(self) -> Iterator[Number]:
+        yield from self.torque_numbers()
         for name, forces in self.force_extremes.items():
             for variable, (low, high) in forces.items():
                 yield Number(f"{variable.replace('_', ' ')} lowest", name, low, "N")
@@ -293,6 +322,7 @@ def headline(result: Result) -> Headline:
         short_of_stops(result),
     )
     motors_short = tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x))
+    rates, impulses = latch_rates(result, times), latch_impulses(result, times)
     found = Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
@@ -309,7 +339,10 @@ def headline(result: Result) -> Headline:
         reached_stops=reached_stops(result),
         pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
-        latch_impulses=latch_impulses(result, times),
+        latch_impulses=impulses,
+        latch_rates=rates,
+        latch_energies=latch_energies(result, rates, impulses),
+        slack=slack_strands(result),
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
@@ -334,14 +367,33 @@ def headline(result: Result) -> Headline:
         numerical_dissipation=ledger.numerical if ledger else 0.0,
         energy_residual=ledger.relative_residual if ledger else None,
         messages=ledger.warnings() if ledger else (),
-        estimated_errors={key: error.likely for key, error in errors.items()},
     )
     numbers = [(number.key, number.value) for number in found.numbers()]
-    given = "step" in result.provenance
-    of_errors = error_messages(
-        numbers, errors, tolerance_asked(result), tolerance_taken(result), fixed_step=given
+    given, asked = "step" in result.provenance, tolerance_asked(result)
+    of_errors = error_messages(numbers, errors, asked, tolerance_taken(result), fixed_step=given)
+    return replace(
+        found,
+        messages=(*found.messages, *unknown_errors(result), *of_errors),
+        estimated_errors=_with_magnitudes(numbers, errors_told(numbers, errors, asked)),
     )
-    return replace(found, messages=(*found.messages, *unknown_errors(result), *of_errors))
+
+
+def magnitude_of(load: str) -> str:
+    """What the headline calls the peak of a vector's magnitude."""
+    return load.replace(" peak", " magnitude peak")
+
+
+def _with_magnitudes(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, float]) -> dict[Key, float]:
+    """The errors; a vector's magnitude is off by what its components are off by, as far as they are part of it."""
+    found, values = dict(errors), dict(numbers)
+    for load in ("interface force peak", "interface torque peak"):
+        whole = values.get((magnitude_of(load), ""), 0.0)
+        parts = [(values.get(key, 0.0), error) for key, error in errors.items() if key[0] == load]
+        if parts and whole:
+            key = magnitude_of(load), ""
+            off = sum(min(1.0, (value + error) / whole) * error for value, error in parts)
+            found[key] = max(found.get(key, 0.0), off)
+    return found
 
 
 def _missing(
@@ -355,12 +407,22 @@ def _missing(
     return missing
 
 
+_OF_THE_RUN = {
+    "interface force magnitude peak": "magnitude",
+    "interface torque magnitude peak": "magnitude",
+    "energy put in": "but by motors, up to the end",
+    "numerical dissipation": "up to the end",
+    "energy residual": "relative to energy exchanged",
+}
+"""What tables say of numbers that are of the whole run."""
+
+
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
     """Quantity, of, value, unit and estimated error of every headline number as texts.
 
     Round-off beside the largest of a load's components reads 0; forces that are nothing are left out.
     """
-    floors = _floors(found)
+    floors = round_off_floors(found)
     absent = {
         (f"{variable.replace('_', ' ')} {extreme}", name)
         for name, forces in found.force_extremes.items()
@@ -372,25 +434,29 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
         of, floor = number.of, floors.get(number.quantity, floors.get(number.of, 0.0))
         if (number.quantity, of) in absent or (number.quantity in POINT_PEAKS and number.value <= floor):
             continue
-        if number.quantity == "motor energy" and not found.latch_times:
-            of = "over the run"
+        if number.quantity == "motor energy":
+            of = "up to the last latch-up" if found.latch_times else "over the run"
+        of = _OF_THE_RUN.get(number.quantity, of)
         unit, size = shown(number.unit)
         digits = ".6f" if unit == "s" else ".5g"
         value = format(size * without_noise(number.value, floor), digits)
         error = "" if number.error is None else format(size * number.error, ".1g")
-        yield number.quantity, of, value, unit, error
+        yield number.quantity.replace(" magnitude", ""), of, value, unit, error
 
 
-def _floors(found: Headline) -> dict[str, float]:
+def round_off_floors(found: Headline) -> dict[str, float]:
     """Magnitudes of round-off: of loads at the base and at points by quantity, of forces by component."""
     beside = round_off_of_loads((number.key, number.value) for number in found.numbers())
 
     def floor(peaks: Collection[float]) -> float:
         return beside if max(peaks, default=0.0) <= beside else noise_floor(peaks)
 
+    forces, torques = floor(found.interface_force_peaks), floor(found.interface_torque_peaks)
     return {
-        "interface force peak": floor(found.interface_force_peaks),
-        "interface torque peak": floor(found.interface_torque_peaks),
+        "interface force peak": forces,
+        "interface force magnitude peak": forces,
+        "interface torque peak": torques,
+        "interface torque magnitude peak": torques,
         "attitude peak": noise_floor(found.attitude_peaks),
         "attitude at the end": noise_floor(found.attitude_peaks),
         "attitude rate peak": noise_floor(found.attitude_rate_peaks),

@@ -167,7 +167,7 @@ def _hinge_line(fields: Mapping[str, Any]) -> HingeLine:
             isinstance(one, float | int) for one in (*line.axis, *line.known, *(r for _, r in line.coupled))
         )
         or len(line.known) not in (0, 2)
-        or not (angle is None or isinstance(angle, float | int)),
+        or not all(one is None or isinstance(one, float | int) for one in (angle, line.inertia)),
         "a hinge line is not as it was written",
     )
     return line

@@ -36,6 +36,7 @@ class Verified:
     def as_dict(self) -> dict[str, object]:
         """For JSON."""
         return {
+            "id": self.number.id,
             "quantity": self.number.quantity,
             "of": self.number.of,
             "unit": self.number.unit,

@@ -128,7 +128,7 @@ def _definition(written: str) -> BodyDefinition:
     if not tables:
         return catalogue.entry(entry)
     below = {} if entry is None else catalogue.entry_table(entry)
-    return catalogue.read_body(merged(below, tables, set()), _quantity)
+    return catalogue.read_body(merged(below, tables), _quantity)
 
 
 def _quantity(value: object, unit: str, sign: Sign) -> float:

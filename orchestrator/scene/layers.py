@@ -15,7 +15,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from itertools import permutations
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from components.imported.files import NAMES
 
@@ -34,6 +34,13 @@ _OWN = ("name", "place")
 """Keys that a body does not share with those that are like it."""
 
 
+class _Names(NamedTuple):
+    """Entries of arrays that layers have added, by key, and those that they have removed."""
+
+    added: set[str]
+    removed: dict[str, Tree]
+
+
 @dataclass(frozen=True, slots=True)
 class Layers:
     """A scene file over what it extends, and its variants; `added` are keys of entries that the file adds by name."""
@@ -50,16 +57,16 @@ class Layers:
         """
         unknown = [name for name in variants if name not in self.variants]
         if unknown:
-            names = ", ".join(self.variants) or "none"
+            every = ", ".join(self.variants) or "none"
             raise SceneError(
-                [f"{self.file}: there is no variant {name!r}; variants are {names}" for name in unknown]
+                [f"{self.file}: there is no variant {name!r}; variants are {every}" for name in unknown]
             )
-        tree, added = self.tree, set(self.added)
+        tree, names = self.tree, _Names(set(self.added), {})
         for name in variants:
-            tree = _merged_layer(f"{self.file}: variant.{name}.", tree, self.variants[name], added)
+            tree = _merged_layer(f"{self.file}: variant.{name}.", tree, self.variants[name], names)
         for setting in settings:
-            tree = _merged_layer(f"{self.file}: ", tree, _setting(self.file, setting, tree), added)
-        return tree, frozenset(added)
+            tree = _merged_layer(f"{self.file}: ", tree, _setting(self.file, setting, tree), names)
+        return tree, frozenset(names.added)
 
 
 def read_layers(path: Path, find: Callable[[str], Path]) -> Layers:
@@ -68,26 +75,24 @@ def read_layers(path: Path, find: Callable[[str], Path]) -> Layers:
     A variant with `remove = true` is one of an extended scene that this one does not have. SceneError where a layer is
     missing or cannot be read.
     """
-    added: set[str] = set()
-    tree = _with_extended(path, find, (), added)
+    names = _Names(set(), {})
+    tree = _with_extended(path, find, (), names)
     known = tree.pop(_VARIANT, {})
     if not isinstance(known, dict) or not all(isinstance(layer, dict) for layer in known.values()):
         raise SceneError([f"{path.name}: variant: give a table [variant.NAME] for each variant"])
     variants = {name: layer for name, layer in known.items() if layer.get(_REMOVE) is not True}
-    return Layers(path.name, tree, variants, frozenset(added))
+    return Layers(path.name, tree, variants, frozenset(names.added))
 
 
-def _merged_layer(place: str, below: Tree, above: Tree, added: set[str]) -> Tree:
+def _merged_layer(place: str, below: Tree, above: Tree, names: _Names) -> Tree:
     """A merge whose problems say where the layer is from."""
     try:
-        return merged(below, above, added)
+        return merged(below, above, names)
     except SceneError as error:
         raise SceneError([place + problem for problem in error.problems]) from None
 
 
-def _with_extended(
-    path: Path, find: Callable[[str], Path], within: tuple[Path, ...], added: set[str]
-) -> Tree:
+def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, ...], names: _Names) -> Tree:
     """The tree of a file merged over the one that it extends."""
     place = path.resolve()  # one file has many relative paths
     if place in within:
@@ -102,8 +107,8 @@ def _with_extended(
         raise SceneError([f"{path.name}: extends: is {name!r}; give the name of a scene or a file"])
     beside = path.parent / name
     below = beside if beside.is_file() else find(name)
-    under = _with_extended(below, find, (*within, place), added)
-    return _merged_layer(f"{path.name}: ", under, tree, added)
+    under = _with_extended(below, find, (*within, place), names)
+    return _merged_layer(f"{path.name}: ", under, tree, names)
 
 
 def _read(path: Path) -> Tree:
@@ -171,17 +176,18 @@ def _named_by(table: Any, keys: Iterable[str]) -> Iterator[tuple[Any, Any]]:  # 
             yield table, key
 
 
-def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:
-    """A new tree: `above` laid over `below`; keys of entries that are new in an array go into `added`."""
+def merged(below: Tree, above: Tree, names: _Names | None = None, within: str = "") -> Tree:
+    """A new tree: `above` laid over `below`; names: takes up entries that `above` adds to arrays or removes."""
+    names = names or _Names(set(), {})
     tree = deepcopy(below)
     for key in _replaced(within, above):
         tree.pop(key, None)
     for key, value in above.items():
         old, place = tree.get(key), f"{within}{key}"
         if isinstance(old, dict) and isinstance(value, dict):
-            tree[key] = merged(old, value, added, f"{place}.")
+            tree[key] = merged(old, value, names, f"{place}.")
         elif value and _is_named(old) and _is_named(value):
-            tree[key] = _merged_entries(place, old, value, added)
+            tree[key] = _merged_entries(place, old, value, names)
         else:
             tree[key] = deepcopy(value)
     return tree
@@ -203,7 +209,7 @@ def _is_named(value: object) -> bool:
     )
 
 
-def _merged_entries(key: str, below: Any, above: Any, added: set[str]) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
+def _merged_entries(key: str, below: Any, above: Any, names: _Names) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
     entries = {entry["name"]: entry for entry in below}
     if len(entries) < len(below):  # the later would hide the earlier, and nobody could say so any more
         raise SceneError([f"{key}: two entries have the same name, so a layer cannot tell which it is about"])
@@ -214,9 +220,16 @@ def _merged_entries(key: str, below: Any, above: Any, added: set[str]) -> list[T
         name = entry["name"]
         if entry.get(_REMOVE) is not True:
             if name not in entries:
-                added.add(f"{key}.{name}")
-            entries[name] = merged(entries.get(name, {}), entry, added, f"{key}.{name}.")
-        elif entries.pop(name, None) is None:
+                place = f"{key}.{name}"
+                if entry.keys() < names.removed.get(place, {}).keys():  # a whole new entry has as many keys
+                    raise SceneError(
+                        [f"{place}: an earlier variant removed it; these variants do not combine"]
+                    )
+                names.added.add(place)
+            entries[name] = merged(entries.get(name, {}), entry, names, f"{key}.{name}.")
+        elif name in entries:
+            names.removed[f"{key}.{name}"] = entries.pop(name)
+        else:
             known = ", ".join(entries) or "none"
             raise SceneError([f"{key}.{name}: there is no such entry to remove; entries are {known}"])
     return list(entries.values())
@@ -287,7 +300,7 @@ def _whole(entry: Tree, known: Mapping[str, Tree], problems: list[str]) -> Tree:
     try:
         for one in reversed(lineage):
             below = {key: value for key, value in whole.items() if key not in _OWN}
-            whole = merged(below, {key: value for key, value in one.items() if key != _LIKE}, set())
+            whole = merged(below, {key: value for key, value in one.items() if key != _LIKE})
     except SceneError as error:
         problems += [f"body.{entry['name']}.{problem}" for problem in error.problems]
     return whole

@@ -8,5 +8,5 @@ vary = {"friction.coefficient": "uniform(0, 0.19)"}
 sweep = fanfold.study("amos3", vary, method="grid", levels=20, rigid="all", until="12 s", tolerance=1e-2)
 axes = plt.figure().add_subplot(xlabel="friction coefficient", ylabel="latch-up, s")
 for line in ("HL1", "HL2", "HL3"):
-    axes.plot(sweep.parameters["friction.coefficient"], sweep.numbers[f"latch time {line}"], "o-", label=line)
+    axes.plot(sweep.parameters["friction.coefficient"], sweep.numbers[f"latch_time.{line}"], "o-", label=line)
 axes.legend().figure.savefig("latch_times.png")

@@ -13,6 +13,6 @@ found = fanfold.study(
     tolerance=1e-2,
     rigid="all",
 )
-low, median, high = found.quantiles("latch time HL1")
+low, median, high = found.quantiles("latch_time.HL1")
 print(f"HL1 latches at {median:.2f} s, between {low:.2f} and {high:.2f} s in 90 % of all cases")
 print(found.not_latching()["HL1"])

@@ -45,7 +45,7 @@ def for_other_tools(found, folder):
 def friction_sweep(found, folder):
     """Friction makes every line later; thesis: 7.4, 8.5, 11.6 s at 0.10."""
     sweep = found["sweep"]
-    times = np.array([sweep.numbers[f"latch time {line}"] for line in ("HL3", "HL2", "HL1")]).T
+    times = np.array([sweep.numbers[f"latch_time.{line}"] for line in ("HL3", "HL2", "HL1")]).T
     frictions = sweep.parameters["friction.coefficient"]
     assert frictions == pytest.approx(0.01 * np.arange(20))
     assert times.shape == (20, 3)
@@ -82,7 +82,7 @@ def rigid_or_flexible(found, folder):
 
 def scatter(found, folder):
     """Around 11.65 s, the latch-up of the wing as it is meant."""
-    times = found["found"].numbers["latch time HL1"]
+    times = found["found"].numbers["latch_time.HL1"]
     assert np.all(np.abs(times - 11.65) < 0.5)
     assert np.std(times) > 0.01
 

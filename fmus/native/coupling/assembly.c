@@ -13,9 +13,10 @@
 
 #define SAME_EVENT 1e-9 /* s */
 
-/* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
-   latched, and peaks. */
+/* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, rates
+   at latch-up, whether latched, and peaks. */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
+enum { OF_LINE = 3 }; /* outputs of each */
 
 /* Numbers of the master that are in no array, to or from `scalars`. */
 static void exchange_scalars(Assembly *a, int write) {
@@ -77,6 +78,7 @@ static size_t arrange_standing(Assembly *a, double *first) {
         TAKE(line->pending, 1);
         TAKE(line->sensor, 1);
         TAKE(line->latch_time, 1);
+        TAKE(line->latch_rate, 1);
         TAKE(line->released, line->hinges);
         TAKE(line->stiffened, sizeof(StiffenedLine) / sizeof(double));
     }
@@ -433,7 +435,7 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     a->parameter_count = a->first_parameter[a->participants];
     a->input_count = a->first_input[a->participants];
     const size_t own = a->driven.is_there ? 2 : 1;
-    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + 2 * m->lines + a->peak_count)
+    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + OF_LINE * m->lines + a->peak_count)
         return refuse(why, "the assembly declares %lu parameters, its components and its master have %lu",
                       (unsigned long)sizes->parameters, (unsigned long)(a->parameter_count + own));
     a->standing_size = arrange_standing(a, NULL);
@@ -830,6 +832,7 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
         const double latch_time = standing[line->latch_time - a->standing];
         const int is_latched = has_latched(x, latch_time);
         *y++ = is_latched ? latch_time : -1.0;
+        *y++ = is_latched ? standing[line->latch_rate - a->standing] : 0.0;
         *y++ = is_latched;
     }
     /* what stands at the communication point itself is between two rows */

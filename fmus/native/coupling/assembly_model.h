@@ -355,10 +355,13 @@ static int create_lines(Assembly *a, const Data *data, Memory *memory, Reason *w
     Master *m = &a->master;
     const Network *n = &m->network;
     Reader r = {NULL, 0};
+    size_t all = 0;
     r.numbers = whole_numbers(data, "lines", &r.left, memory, why);
     m->latch_distance = counted_numbers(data, "latch_distance", n->participants, memory, why);
     m->latch_command = counted_numbers(data, "latch_command", n->participants, memory, why);
-    if (!r.numbers || !m->latch_distance || !m->latch_command) return 0;
+    m->angular_rate = counted_numbers(data, "angular_rate", n->participants, memory, why);
+    if (!r.numbers || !m->latch_distance || !m->latch_command || !m->angular_rate) return 0;
+    for (size_t i = 0; i < n->participants; i++) all += n->participant[i].observations;
     m->lines = next_number(&r);
     if (m->lines > n->participants) return refuse(why, "the assembly's hinge lines are damaged");
     m->line = allocate(memory, (m->lines + 1) * sizeof *m->line);
@@ -372,7 +375,7 @@ static int create_lines(Assembly *a, const Data *data, Memory *memory, Reason *w
             const size_t hinge = line->hinge[i];
             if (hinge < n->bodies || hinge >= n->participants || n->participant[hinge].ports != HINGE_PORTS ||
                 m->latch_distance[hinge] >= n->participant[hinge].outputs ||
-                m->latch_command[hinge] >= n->participant[hinge].inputs)
+                m->latch_command[hinge] >= n->participant[hinge].inputs || m->angular_rate[hinge] >= all)
                 return refuse(why, "a hinge line has no hinge %lu", (unsigned long)hinge);
         }
     }

@@ -23,11 +23,12 @@ typedef struct {
 } Place;
 
 /* hinge: its participants; is_kinematic: latched by an impulse. Numbers that are part of a saved state: pending, sensor
-   (which of the hinges), released (hinges,), latch_time (s; negative before), stiffened. */
+   (which of the hinges), released (hinges,), latch_time (s; negative before), latch_rate (rad/s just before latch-up, 0
+   until then), stiffened. */
 typedef struct {
     size_t hinges, is_kinematic;
     const size_t *hinge;
-    double *pending, *sensor, *released, *latch_time;
+    double *pending, *sensor, *released, *latch_time, *latch_rate;
     StiffenedLine *stiffened;
 } HingeLine;
 
@@ -60,8 +61,8 @@ typedef struct {
 
 typedef struct Master Master;
 
-/* command: places of inputs by what they command, all participants that have it; latch_distance, latch_command: by
-   participant, where it has them, otherwise no place. row: takes rows as they come; parameters (all,): in force, part of a
+/* command: places of inputs by what they command, all participants that have it; latch_distance, latch_command,
+   angular_rate: by participant, where it has them, otherwise no place. row: takes rows as they come; parameters (all,): in force, part of a
    saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in; event_time (s): of the
    last event or latch-up, negative before, is_crossed: whether a distance was to be met for it; tried (s): size of the step that ended last, before anything crossed in it;
    stalled: correction, over the largest wrench, that may be left; repeats: whether steps stand that are made as others
@@ -81,7 +82,7 @@ struct Master {
     Watched *watched;
     double *roughness;
     const Place *impulse;
-    const size_t *latch_distance, *latch_command;
+    const size_t *latch_distance, *latch_command, *angular_rate;
     void (*row)(void *taker, double time, double segment, const double *values);
     int (*set_parameter)(void *taker, size_t participant, size_t place, double value);
     void *taker;
@@ -431,12 +432,18 @@ static double engage(Master *m, HingeLine *line) {
     return fmin(h, m->start_step);
 }
 
+/* Take note of the time and the rate at which a line latches. */
+static void note_latch_up(Master *m, HingeLine *line) {
+    *line->latch_time = m->loop.time;
+    *line->latch_rate = fabs(m->network.observations[m->angular_rate[line->hinge[(size_t)*line->sensor]]]);
+}
+
 /* Have others that lock at this instant do so with a line: those with the same mark. */
 static void join_locks(Master *m, double mark) {
     for (HingeLine *other = m->line; other < m->line + m->lines; other++)
         if (*other->pending == mark && other->is_kinematic) {
             *other->pending = LOCKING;
-            *other->latch_time = m->loop.time;
+            note_latch_up(m, other);
         }
 }
 
@@ -453,7 +460,8 @@ static double engage_joined(Master *m, double size) {
 /* Engage all latches of a line; a kinematic one takes the relative rate away in an impulse, with others of its mark. */
 static int latch_line(Master *m, HingeLine *line, double mark) {
     *line->pending = 0.0;
-    *line->latch_time = m->loop.time;
+    if (!observe_all(m)) return 0;
+    note_latch_up(m, line);
     if (line->is_kinematic) join_locks(m, mark);
     /* bushings leave the joints rates of the order H^2; the latch must meet joints that move as such */
     if (line->is_kinematic ? !make_impulse(m, INSTANT) : !note_roughness(m)) return 0;

@@ -74,8 +74,8 @@ class Gradients:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the numbers, as in studies: "latch time HL1"."""
-        return tuple(" ".join(filter(None, one.key)) for one in self.numbers)
+        """Identifiers of the numbers, such as `latch_time.HL1`."""
+        return tuple(one.id for one in self.numbers)
 
     @property
     def round_off(self) -> NDArray[np.bool_]:
@@ -112,17 +112,19 @@ class Gradients:
         return "; ".join(told)
 
     def plain(self) -> dict[str, object]:
-        """For JSON, which has no word for what is not a number: None."""
+        """For JSON, which has no word for what is not a number: None; numbers by identifier, in the rows' order."""
         arrays = {
             "derivatives": self.derivatives,
             "relative": self.relative,
             "errors": self.errors,
             "single_errors": self.single_errors,
         }
-        return {**asdict(self), **{name: _listed(array) for name, array in arrays.items()}}
+        numbers = {one.id: one.as_dict() for one in self.numbers}
+        listed = {name: _listed(array) for name, array in arrays.items()}
+        return {**asdict(self), "numbers": numbers, **listed}
 
     def of(self, number: str, key: str) -> float:
-        """Derivative of a number, such as "latch time HL1", by a key; StudyError where there is none."""
+        """Derivative of a number, such as `latch_time.HL1`, by a key; StudyError where there is none."""
         for one, known, what in ((number, self.names, "number"), (key, self.keys, "key")):
             if one not in known:
                 raise StudyError(f"{self.scene}: there is no {what} {one!r}; those are {', '.join(known)}")

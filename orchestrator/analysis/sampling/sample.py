@@ -50,7 +50,7 @@ class Sample:
     """How one run went.
 
     message: why it failed, empty where it did not. numbers: value, unit and estimated error (None for none) of
-    headline numbers, by their names. latched: of every line with a latch. signals: (times,) by COMPONENT.VARIABLE.
+    headline numbers, by identifier. latched: of every line with a latch. signals: (times,) by COMPONENT.VARIABLE.
     """
 
     index: int
@@ -97,10 +97,7 @@ def run_sample(task: Task, index: int, settings: Settings) -> Sample:
         found = run.outcome.headline
         return Sample(
             index,
-            numbers={
-                " ".join(filter(None, one.key)): (float(one.value), one.unit, one.error)
-                for one in found.numbers()
-            },
+            numbers={one.id: (float(one.value), one.unit, one.error) for one in found.numbers()},
             latched=dict.fromkeys(found.latch_times, True) | dict.fromkeys(found.unlatched_angles, False),
             signals=_signals(result, task),
         )

@@ -17,6 +17,7 @@ from components.cache.disk import replace_file
 from components.contract.component import Vector
 
 from ...results.estimated_errors import PROMISED
+from ...results.identifiers import quantity_identifier
 from ...results.result import HDF5_ERRORS, reason
 from .distributions import StudyError
 from .journal import Asked
@@ -44,8 +45,8 @@ class Study:
 
     asked: what the study was asked for. finished: of every sample, whether its run came to its end; messages: why not,
     empty where it did or where it has not run. parameters (samples,): drawn values by name. numbers, errors (samples,):
-    headline numbers and their estimated errors, units by their names. latched (samples,): 1, 0 or NaN of every line
-    with a latch. signals (samples, T) at times (T,), s.
+    headline numbers and their estimated errors, units, by identifier such as `latch_time.HL1`. latched (samples,): 1, 0
+    or NaN of every line with a latch. signals (samples, T) at times (T,), s.
     """
 
     asked: Asked
@@ -122,8 +123,9 @@ class Study:
 
     @property
     def main_numbers(self) -> list[str]:
-        """Numbers that a deployment is judged by first, those that a run vouches for."""
-        return [name for name in self.numbers if name.startswith(PROMISED)]
+        """Numbers that a deployment is judged by first: those that a run vouches for, and rates at latch-up."""
+        main = {quantity_identifier(quantity) for quantity in (*PROMISED, "latch rate")}
+        return [name for name in self.numbers if name.partition(".")[0] in main]
 
     def not_latching(self) -> dict[str, Share]:
         """By line with a latch, how many samples do not latch, and the bounds of its probability.

@@ -6,6 +6,7 @@ import csv
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
 from math import isfinite, sqrt
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from components.contract.component import Vector
 from components.contract.errors import unknown
 
 from ...cosim.rows import recorded_layout
+from ...results.identifiers import in_order
 from ...scene.units import QUANTITY, UNITS, to_si
 from .distributions import StudyError
 from .sample import Sample, Task
@@ -26,17 +28,19 @@ _MISSED = 1.0
 
 
 _OF_A_LATCH_UP = {
-    "latch time": "s",
-    "latch impulse": "N.m.s",
-    "latch torque peak": "N.m",
-    "lock torque peak": "N.m",
+    "latch_time": "s",
+    "latch_rate": "rad/s",
+    "latch_energy": "J",
+    "latch_impulse": "N.m.s",
+    "latch_torque_peak": "N.m",
+    "lock_torque_peak": "N.m",
 }
-"""Headline numbers of a line that has latched, and their units."""
+"""Headline numbers of a line that has latched, by identifier, and their units."""
 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A headline number, by the name that it has in studies, and what it is to be, in its unit or with one."""
+    """A headline number, by its identifier, and what it is to be, in its unit or with one."""
 
     number: str
     wanted: float | str
@@ -69,18 +73,14 @@ class Target:
 
 
 def target(text: str) -> Target:
-    """What NAME.QUANTITY=VALUE means, such as "HL1.latch_time=11.6 s"; StudyError where it means nothing."""
+    """What NUMBER=VALUE means, such as "latch_time.HL1=11.6 s"; StudyError where it means nothing.
+
+    `HL1.latch_time` is the same number.
+    """
     name, equals, wanted = text.partition("=")
-    of, _, quantity = name.strip().rpartition(".")
-    if not equals or not of or not quantity or not wanted.strip():
-        raise StudyError(f"{text!r} is not of the form NAME.QUANTITY=VALUE, such as HL1.latch_time=11.6")
-    return Target(" ".join(filter(None, (quantity.replace("_", " "), of))), wanted.strip())
-
-
-def _as_written(number: str) -> str:
-    """How a target is given whose number is called so in studies; see `target`."""
-    quantity, _, of = number.rpartition(" ")
-    return f"{of}.{quantity.replace(' ', '_')}"
+    if not equals or not name.strip() or not wanted.strip():
+        raise StudyError(f"{text!r} is not of the form NUMBER=VALUE, such as latch_time.HL1=11.6")
+    return Target(in_order(name.strip()), wanted.strip())
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,31 +192,37 @@ def signals_of(task: Task) -> list[str]:
     return [f"{name}.{scalar}" for name, layout in layouts for scalar in layout.scalar_names()]
 
 
+def _nearest_order(text: str, names: Sequence[str]) -> str:
+    """An unknown identifier with its parts in the order in which it resembles one of the names most."""
+    first, _, last = text.rpartition(".")
+    orders = (text, f"{last}.{first}")
+    return max(orders, key=lambda one: max(SequenceMatcher(None, one, name).ratio() for name in names))
+
+
 def _unknown(
     targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, task: Task
 ) -> Iterator[str]:
     # what a line has of it once it latches
     missing = {
-        f"{quantity} {line}": (line, unit)
+        f"{quantity}.{line}": (line, unit)
         for line, latched in sample.latched.items()
         for quantity, unit in _OF_A_LATCH_UP.items()
         if not latched
     }
     for one in targets:
         line, unit = missing.get(one.number, ("", ""))
-        given = _as_written(one.number)
         if one.number in sample.numbers or line:
             wanted = one.value(unit or sample.numbers[one.number][1])
-            if wanted < 0.0 and any(one.number.startswith(quantity) for quantity in _OF_A_LATCH_UP):
-                yield f"target {given}: is {one.wanted!r}; it is never negative"
+            if wanted < 0.0 and one.number.partition(".")[0] in _OF_A_LATCH_UP:
+                yield f"target {one.number}: is {one.wanted!r}; it is never negative"
         if line:
             yield (
-                f"target {given}: {line} does not latch with the values that the search starts from; vary it from "
+                f"target {one.number}: {line} does not latch with the values that the search starts from; vary it from "
                 "where it does"
             )
         elif one.number not in sample.numbers:
-            names = [_as_written(name) for name in (*sample.numbers, *missing)]
-            yield f"target {given}: {unknown(given, names, 'number')}"
+            names = [*sample.numbers, *missing]
+            yield f"target {one.number}: {unknown(_nearest_order(one.number, names), names, 'number')}"
     for curve in measured:
         if curve.signal not in sample.signals:
             yield f"curve {curve.signal}: {unknown(curve.signal, signals_of(task), 'signal')}"

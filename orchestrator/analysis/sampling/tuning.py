@@ -405,7 +405,7 @@ def _refuse(
     if not varied:
         raise StudyError("nothing is varied; give keys and their ranges, such as KEY=uniform(LOW, HIGH)")
     if not targets and not curves:
-        raise StudyError("there is no target; give one, such as HL1.latch_time=11.6, or a measured curve")
+        raise StudyError("there is no target; give one, such as latch_time.HL1=11.6, or a measured curve")
     if workers < 1:
         raise StudyError(f"{workers} workers do no work; give one at least")
     for one in varied:

@@ -19,6 +19,7 @@ from ...scene.component_connections import first_number, seated
 from ...scene.connection_tables import Connection
 from ...scene.locked_groups import joined
 from ...scene.loops.closing import closed, left_open, start_poses
+from ...scene.loops.freedoms import singular_starts
 from ...scene.loops.rates import start_rates
 from ...scene.schema import CheckedScene
 from ..bolted_lines import bolts_across
@@ -44,6 +45,7 @@ def start_doubts(scene: CheckedScene) -> Iterator[str]:
     yield from coded("W-rail-start", _strained_rails(scene))
     yield from coded("W-drive-start", _wound_drives(scene))
     yield from coded("W-open-loop", _open_at_the_start(scene))
+    yield from coded("W-singular-start", singular_starts(scene))
     yield from coded("W-turned-start", _turned_to_close(scene))
     yield from coded("W-start-rate", _moving_from_rest(scene))
     yield from coded("W-base-turned", _turned_from_the_world(scene))

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ...results.key_figures import Headline, headline_rows
+from ...results.short_table import LINE_HEADINGS, line_rows, short_rows
 
 
 def terminal() -> Console:
@@ -56,9 +57,35 @@ def _table(title: str, columns: Sequence[Column]) -> Table:
     return table
 
 
-def headline_table(found: Headline) -> Table:
-    """The headline numbers as a table for a terminal."""
-    table = plain_table(None if found.complete else "The run was interrupted; numbers up to there")
+def headline_tables(found: Headline, *, every: bool) -> Iterator[Table]:
+    """The headline numbers as tables for a terminal: every one, or a row for each line and those read first."""
+    title = None if found.complete else "The run was interrupted; numbers up to there"
+    if every:
+        yield _whole_table(title, found)
+        return
+    if lines := line_rows(found):
+        columns = zip(LINE_HEADINGS, *lines, strict=True)
+        # a column for impulses only where there are locks
+        named, *others = (column for column in columns if not {*column[1:]} <= {"-"} or column[0] == "line")
+        table = plain_table(title)
+        table.add_column(named[0], no_wrap=True)
+        for heading, *_ in others:
+            table.add_column(heading, justify="right")
+        for row in zip(named[1:], *(cells for _, *cells in others), strict=True):
+            table.add_row(*row)
+        yield table
+        title = None
+    table = plain_table(title)
+    table.show_header = False
+    for heading in ("quantity", "value", "unit", "of"):
+        table.add_column(heading, no_wrap=heading != "of")
+    for row in short_rows(found):
+        table.add_row(*row)
+    yield table
+
+
+def _whole_table(title: str | None, found: Headline) -> Table:
+    table = plain_table(title)
     table.add_column("quantity")
     table.add_column("of")
     table.add_column("value", justify="right", min_width=7)
@@ -69,6 +96,4 @@ def headline_table(found: Headline) -> Table:
     for quantity, *cells in headline_rows(found):
         table.add_row("" if quantity == previous else quantity, *cells[: len(table.columns) - 1])
         previous = quantity
-    if found.warnings:
-        table.caption = "\n".join(f"Warning: {sentence}" for sentence in found.warnings)
     return table

@@ -31,7 +31,7 @@ _SHIFTED = 4
 def differences_near(
     one: Result, peaks: Peaks, other: Result, theirs: Mapping[Key, Vector]
 ) -> dict[Key, float]:
-    """Root mean square differences around the promised peaks and impulses of one result, in the numbers' units.
+    """Root mean square differences around the promised peaks, rates and impulses of one result, in the numbers' units.
 
     What comes a little earlier or later in the other one is as high there, and no difference of a peak. peaks: of one.
     other: a run along some of its steps, segment by segment between events; times count from each. theirs: its peaks.
@@ -43,7 +43,7 @@ def differences_near(
         for key, values in peaks
         if key in theirs
     }
-    found.update(_of_impulses(one, other, rows))
+    found.update(_of_latch_ups(one, other, rows))
     return {key: difference for key, difference in found.items() if difference is not None}
 
 
@@ -96,19 +96,27 @@ def _pair(time: Vector, events: Sequence[float], other: Vector, other_events: Se
     return _Pairs(nearest[together], np.flatnonzero(together), ours_in)
 
 
-def _of_impulses(one: Result, other: Result, rows: _Pairs) -> Iterator[tuple[Key, float | None]]:
-    """A lock's impulse is off as the rates of its hinges are, before they latch."""
+def _of_latch_ups(one: Result, other: Result, rows: _Pairs) -> Iterator[tuple[Key, float | None]]:
+    """Rates at latch-up, and impulses of locks, which are off as the rates of their hinges are, before they latch."""
     times = latch_times(one)
     for line in (line for line in one.hinge_lines if line.name in times):
         latched = times[line.name]
-        impulse = latch_impulse(one, line, latched)
-        if impulse is None:
-            continue
         row = int(np.searchsorted(one.time, latched - EVENT_WIDTH)) - 1
-        shares = []
-        for hinge in line.hinges:
-            rates, others = one.signal(hinge, "angular_rate"), other.signal(hinge, "angular_rate")
-            difference = rows.difference(rates, others, row)
-            if difference is not None and rates[row]:
-                shares.append(difference / abs(float(rates[row])))
-        yield ("latch impulse", line.name), max(shares) * impulse if shares else None
+        off = {
+            hinge: difference
+            for hinge in line.hinges
+            if one.has(hinge, "angular_rate")
+            and (difference := _of_rates(one, other, rows, hinge, row)) is not None
+        }
+        yield ("latch rate", line.name), off.get(line.sensor)
+        impulse = latch_impulse(one, line, latched)
+        if impulse is not None:
+            sizes = {hinge: abs(float(one.signal(hinge, "angular_rate")[row])) for hinge in off}
+            shares = [off[hinge] / size for hinge, size in sizes.items() if size]
+            yield ("latch impulse", line.name), max(shares) * impulse if shares else None
+
+
+def _of_rates(one: Result, other: Result, rows: _Pairs, hinge: str, row: int) -> float | None:
+    """By how much the rates of a hinge differ around a row (rad/s)."""
+    rates, others = (result.signal(hinge, "angular_rate") for result in (one, other))
+    return rows.difference(rates, others, row)

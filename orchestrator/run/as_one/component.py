@@ -264,6 +264,9 @@ def _told_of(line: HingeLine) -> Iterator[Quantity]:
         f"{line.name}: time of latch-up since the start time; -1 before",
         start=-1.0,
     )
+    yield Quantity(
+        f"{line.name}.latch_rate", "rad/s", f"{line.name}: size of its rate just before latch-up; 0 before"
+    )
     yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on")
 
 

@@ -37,6 +37,7 @@ from ...results.recorder import NoRecorder
 _NOWHERE = 10**8
 """Place of what a participant does not have."""
 DRIVEN = "driven_base"
+_ANGULAR_RATE = "angular_rate"
 _MOST_HINGES = constant("MOST_HINGES")
 _STILL = ("fixed_base", "moving_base", DRIVEN)
 
@@ -67,12 +68,16 @@ def tables(
     """All of them; lines: those that latch; flags: places of those among what is recorded."""
     number = {participant.name: i for i, participant in enumerate(network.participants)}
     still = frozenset(i for i, body in enumerate(network.bodies) if _kind(assembly, body.name) in _STILL)
+    firsts = first_observations(network.participants)
     return {
         **_master(network, assembly, settings),
         **_network(network, still),
         **_linear_system(network, still),
         **_recorded(network),
         "latch_distance": [_place(p.output_layout, LATCH_DISTANCE.name) for p in network.participants],
+        "angular_rate": [
+            firsts[p.name] + _place(p.observation_layout, _ANGULAR_RATE) for p in network.participants
+        ],
         "latch_command": [_place(p.input_layout, LATCH_COMMAND.name) for p in network.participants],
         "impulses": [
             one

@@ -111,6 +111,17 @@ def test_run_shows_numbers_and_writes_the_result():
     assert asked == {"master": "implicit", "until": "0.05 s", "tolerance": "0.0001"}
 
 
+def test_a_run_shows_few_numbers_or_all(tmp_path):
+    """Layout: at most fifteen rows, costs and what comes next in a line each; with --all every headline number."""
+    short = fanfold("run", SCENE, "--rigid", "all", "--until", 0.05, "--output", "a.h5").stdout
+    every = fanfold("run", SCENE, "--rigid", "all", "--until", 0.05, "--output", "a.h5", "--all").stdout
+    assert short.splitlines()[-1] == "next: fanfold report a.h5"
+    assert "times real time" in short.splitlines()[-2]
+    assert "numerical" not in short
+    assert "numerical" in every
+    assert len(short.splitlines()) < 20 < len(every.splitlines())
+
+
 def test_json_of_a_run_that_latches():
     """End to end: one JSON object and nothing else on standard output, hinge lines by name."""
     latch = ("hinges = [\n", LATCH + "hinges = [\n")
@@ -138,7 +149,9 @@ def test_verify_reports_errors():
     assert result.exit_code == 3
     rows = {row["quantity"]: row for row in json.loads(result.stdout)["verification"]}
     row = rows["motor energy"]
+    assert row["id"] == "motor_energy"
     assert set(row) == {
+        "id",
         "quantity",
         "of",
         "unit",

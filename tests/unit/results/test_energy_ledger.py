@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from orchestrator.cli.tables import headline_table
 from orchestrator.results.energy_ledger import EnergyLedger, energy_ledger
 from orchestrator.results.key_figures import headline
 from orchestrator.results.recorder import SignalGroup
@@ -80,7 +79,7 @@ def test_a_residual_beyond_the_tolerance_is_told(tmp_path, residual, warned):
     found = headline(pendulum(tmp_path / "run.h5", residual=residual))
     assert len(found.warnings) == warned
     assert len(json.loads(json.dumps(found.as_dict()))["warnings"]) == warned
-    assert ("energy balance" in str(headline_table(found).caption)) == warned
+    assert any("energy balance" in sentence for sentence in found.warnings) == warned
 
 
 def test_a_result_that_tells_no_tolerance_is_not_judged(tmp_path):

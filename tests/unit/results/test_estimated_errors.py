@@ -18,6 +18,7 @@ from orchestrator.results.estimated_errors import (
     beside_their_vector,
     doubts,
     errors_text,
+    errors_told,
     estimated_errors,
 )
 from orchestrator.results.key_figures import headline, headline_rows
@@ -144,7 +145,10 @@ def test_file_and_table_hold_the_estimates(estimated):
     shown = {row[0]: row[-1] for row in headline_rows(again)}
     assert float(shown["latch time"]) > 0.0
     assert shown["end time"] == ""
-    assert again.as_dict()["estimated_errors"]["latch time"]
+    told = again.as_dict()["numbers"]
+    assert told["end_time"]["estimated_error"] is None
+    assert all(told[number.id]["estimated_error"] == number.error for number in again.numbers())
+    assert again.estimated_errors["latch rate", next(iter(again.latch_rates))] > 0.0
 
 
 @needs_native
@@ -188,6 +192,17 @@ def test_doubts_name_what_is_off_by_ten_tolerances():
     assert sentences[0].endswith("a smaller tolerance makes it surer")
     assert doubts(numbers, errors, 1e-3, fixed_step=True)[0].endswith("a smaller step makes it surer")
     assert doubts(numbers, errors, None) == []
+
+
+def test_the_table_has_the_error_that_the_sentence_tells():
+    """Regression, wing 910108: 2.1e-4 N.m in the table for what the sentence told to be off by a tenth of 42 N.m."""
+    sure, unsure = ("latch time", "L1"), ("interface torque peak", "y")
+    errors = {sure: EstimatedError(1e-4, 4e-4), unsure: EstimatedError(2.1e-4, 4.2)}
+    numbers = [(sure, 4.0), (unsure, 42.0)]
+    assert errors_told(numbers, errors, 1e-4) == {sure: 1e-4, unsure: 4.2}
+    (sentence,) = doubts(numbers, errors, 1e-4)
+    assert "may be off by 0.1 of its largest component" in sentence
+    assert errors_told(numbers, errors, None) == {sure: 1e-4, unsure: 2.1e-4}
 
 
 def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():

@@ -11,8 +11,14 @@ from scipy.spatial.transform import Rotation
 
 import orchestrator as fanfold
 from orchestrator.assembly import HingeLine
-from orchestrator.cli.tables import headline_table
-from orchestrator.results.key_figures import _given, headline, headline_rows, line_latch_torque
+from orchestrator.cli.tables import headline_tables
+from orchestrator.results.key_figures import (
+    _given,
+    _with_magnitudes,
+    headline,
+    headline_rows,
+    line_latch_torque,
+)
 from orchestrator.results.lines.straying import bent
 from orchestrator.results.peaks.search import extremes, peak
 from orchestrator.results.result import Result
@@ -32,6 +38,38 @@ def found(result):
 
 def test_latch_times_are_those_of_the_events(found):
     assert found.latch_times == {line.name: line.latch_time for line in reference.LINES}
+
+
+def test_rates_at_latch_up_are_those_just_before(found):
+    """Closed form: angle = latch_angle (t / t_latch)^2 up to the event, whatever rings after it."""
+    assert found.latch_rates == pytest.approx(
+        {line.name: line.latch_rate for line in reference.LINES}, rel=1e-9
+    )
+    assert found.latch_energies == {}  # its lines have no inertia
+
+
+def test_a_magnitude_is_off_by_the_components_that_it_consists_of():
+    """First order, at a peak of (3, 4) N that is off by (0.1, 0.2): its error along the force, bounded from above."""
+    load = "interface force peak"
+    numbers = [((load, "x"), 3.0), ((load, "y"), 4.0), (("interface force magnitude peak", ""), 5.0)]
+    errors = {(load, "x"): 0.1, (load, "y"): 0.2}
+    found = _with_magnitudes(numbers, errors)["interface force magnitude peak", ""]
+    assert found == pytest.approx(0.62 * 0.1 + 0.84 * 0.2)
+    assert found > np.hypot(3.1, 4.2) - 5.0
+
+
+def test_identifiers_are_fixed_and_each_is_one_number(found):
+    """Convention: scripts and targets rest on them; the numbers of JSON are by them."""
+    names = [number.id for number in found.numbers()]
+    assert len(set(names)) == len(names)
+    assert {
+        "latch_time.hl1", "latch_rate.hl1", "latch_torque_peak.hl3", "interface_force_peak.x", "interface_force_peak",
+        "damper_torque_peak.damper", "tension_a_min.ccl", "tension_b_max.ccl", "motor_energy", "numerical_loss",
+        "energy_residual",
+    } <= set(names)  # fmt: skip
+    told = json.loads(json.dumps(found.as_dict()))["numbers"]
+    assert list(told) == names
+    assert told["latch_time.hl2"] == {"value": 8.2, "unit": "s", "estimated_error": None}
 
 
 @pytest.mark.parametrize("line", reference.LINES, ids=lambda line: line.name)
@@ -99,7 +137,7 @@ def test_headline_goes_through_json(found):
 
 def test_table_shows_every_number(found):
     console = Console(width=120, record=True)
-    console.print(headline_table(found))
+    console.print(*headline_tables(found, every=True))
     text = console.export_text()
     assert "latch torque peak" in text
     assert "8.200000" in text

@@ -241,3 +241,15 @@ def test_a_motor_of_both_kinds_is_a_sentence(tmp_path):
     )
     path = written(tmp_path, "wing.toml", edited(TWO_PANELS, both))
     assert "root_line.motor: is a spring (stowed, deployed) and a table" in problems_of(path)
+
+
+def test_a_variant_that_changes_what_another_removed_says_so():
+    """Regression: a bare entry was read as a new one that lacks its ports."""
+    with pytest.raises(SceneError, match="do not combine") as caught:
+        load_scene(find_scene("antenna-unit"), ["diagonal", "revolute"])
+    assert len(caught.value.problems) == 1
+
+
+def test_a_scene_drops_a_variant_of_what_it_extends():
+    assert "free" in scene_variants(find_scene("amos3"))
+    assert "free" not in scene_variants(find_scene("amos3-ground"))

@@ -35,9 +35,11 @@ def of_steps(tolerance):
 def test_a_latch_time_in_closed_form():
     """Closed form: t = sqrt(2 angle J / T), so dt/dT = -t / 2T, and half a percent for one of the inertia."""
     found = fanfold.gradients(flap(), [MOTOR, INERTIA], verify=False)
-    assert found.of("latch time line", MOTOR) == pytest.approx(-0.5 * latch_time(), rel=of_steps(1e-6))
-    relative = found.relative[found.names.index("latch time line")]
+    assert found.of("latch_time.line", MOTOR) == pytest.approx(-0.5 * latch_time(), rel=of_steps(1e-6))
+    relative = found.relative[found.names.index("latch_time.line")]
     assert relative == pytest.approx([-0.5, 0.5], rel=of_steps(1e-6))
+    rate = found.names.index("latch_rate.line")  # sqrt(2 angle T / J)
+    assert found.relative[rate] == pytest.approx([0.5, -0.5], rel=of_steps(1e-6))
     assert found.units == ("", "")
     assert found.values == (1.0, 1.0)
 
@@ -48,9 +50,9 @@ def test_a_latch_torque_in_closed_form():
     found = fanfold.gradients(flap(damping_ratio=0.0), keys, verify=False)
     step = 1e-5
     slope = (undamped_peak(1.0 + step) - undamped_peak(1.0 - step)) / (2.0 * step)
-    assert found.of("latch torque peak line", MOTOR) == pytest.approx(slope, rel=of_steps(1e-5))
+    assert found.of("latch_torque_peak.line", MOTOR) == pytest.approx(slope, rel=of_steps(1e-5))
     by_stiffness = ANGLE / (undamped_peak() - 1.0)  # of sqrt(T^2 + 2 k T angle)
-    assert found.of("latch torque peak line", "hinge_line.line.latch.stiffness") == pytest.approx(
+    assert found.of("latch_torque_peak.line", "hinge_line.line.latch.stiffness") == pytest.approx(
         by_stiffness, rel=of_steps(1e-5)
     )
     assert undamped_peak() == pytest.approx(np.sqrt(1.0 + 2.0 * STIFFNESS * ANGLE) + 1.0)
@@ -59,7 +61,7 @@ def test_a_latch_torque_in_closed_form():
 def test_both_sides_are_more_accurate():
     """Definition: one side errs with the part of the key, both with its square; dt/dT as above."""
     one, both = (
-        fanfold.gradients(flap(), MOTOR, central=central, verify=False).of("latch time line", MOTOR)
+        fanfold.gradients(flap(), MOTOR, central=central, verify=False).of("latch_time.line", MOTOR)
         for central in (False, True)
     )
     # half the second derivative, 3/4 t, over a part of 5e-6
@@ -72,7 +74,7 @@ def test_errors_of_one_side_are_estimated():
     Slopes of one side are too small by half the second derivatives, 3/8 e and -1/8 e; both at once move nothing.
     """
     found = fanfold.gradients(flap(), [MOTOR, INERTIA])
-    error = found.errors[found.names.index("latch time line")]
+    error = found.errors[found.names.index("latch_time.line")]
     assert error == pytest.approx(0.25 * 5e-6 / np.sqrt(0.5), rel=0.05)
     assert not found.doubtful
     assert not found.warning
@@ -86,7 +88,7 @@ def test_errors_of_the_steps_are_verified(tolerance):
         fanfold.gradients(flap(damping_ratio=0.0), keys, tolerance=tolerance, verify=verify)
         for verify in (False, True)
     )
-    peak = verified.names.index("latch torque peak line")
+    peak = verified.names.index("latch_torque_peak.line")
     np.testing.assert_array_equal(verified.derivatives, plain.derivatives)
     slope = (undamped_peak(1.0 + 1e-5) - undamped_peak(1.0 - 1e-5)) / 2e-5
     exact = np.array([slope, ANGLE / (undamped_peak() - 1.0)])
@@ -101,7 +103,7 @@ def test_a_small_derivative_beside_large_ones_has_an_error_of_its_own():
     """Closed form as above, by a key that moves little. Regression: errors were those of all keys together."""
     keys = [MOTOR, "hinge_line.line.latch.stiffness"]
     found = fanfold.gradients(flap(damping_ratio=0.0), keys, tolerance=1e-3)
-    peak = found.names.index("latch torque peak line")
+    peak = found.names.index("latch_torque_peak.line")
     slope = (undamped_peak(1.0 + 1e-5) - undamped_peak(1.0 - 1e-5)) / 2e-5
     exact = np.array([slope, ANGLE / (undamped_peak() - 1.0)])
     off = np.abs(found.derivatives[peak] - exact)
@@ -127,8 +129,8 @@ def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
 
     monkeypatch.setattr("orchestrator.analysis.sampling.gradients.headline", scattered)
     found = fanfold.gradients(flap(), [MOTOR, INERTIA])
-    assert found.doubtful == ("latch time line",)
-    assert "nobody vouches for the derivatives of latch time line" in found.warning
+    assert found.doubtful == ("latch_time.line",)
+    assert "nobody vouches for the derivatives of latch_time.line" in found.warning
     picture = plot_gradients(found, tmp_path / "doubtful.png")
     plain = plot_gradients(replace(found, errors=0.0 * found.errors), tmp_path / "plain.png")
     assert picture.read_bytes() != plain.read_bytes()
@@ -137,7 +139,7 @@ def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
 def test_what_no_key_moves_has_no_error():
     """A key that only takes part after the latch-up: the latch time is not moved at all, and not doubted."""
     found = fanfold.gradients(flap(damping_ratio=0.0), "hinge_line.line.latch.stiffness")
-    assert np.isnan(found.errors[found.names.index("latch time line")])
+    assert np.isnan(found.errors[found.names.index("latch_time.line")])
 
 
 def test_a_wing_that_comes_to_rest_has_derivatives():
@@ -146,7 +148,7 @@ def test_a_wing_that_comes_to_rest_has_derivatives():
     moving, resting = (
         fanfold.gradients(scene, "body.panel.rigid.mass", until=end, verify=False) for end in (2.0, 8.0)
     )
-    number = "latch time HL", "body.panel.rigid.mass"
+    number = "latch_time.HL", "body.panel.rigid.mass"
     assert resting.of(*number) == moving.of(*number)
 
 
@@ -160,16 +162,16 @@ def test_loads_of_rigid_locks_are_vouched_for_by_nobody():
     scene = fanfold.Scene.of_tree("latching.toml", tree)
     found = fanfold.gradients(scene, ["hinge_line.HL.motor.stowed"])
     assert "rigid bodies lock, whose loads hang on chance" in found.warning
-    assert "latch impulse HL" in found.doubtful
-    assert "latch time HL" not in found.doubtful
+    assert "latch_impulse.HL" in found.doubtful
+    assert "latch_time.HL" not in found.doubtful
 
 
 def test_a_key_of_zero_and_one_at_its_end():
     """A damping ratio of zero can only grow; a derivative by it is there all the same."""
     found = fanfold.gradients(flap(damping_ratio=0.0), DAMPING, verify=False)
     quarter = 0.5 * np.pi  # less energy by 2 pi zeta a swing takes the peak down by zeta pi / 2
-    assert found.of("latch torque peak line", DAMPING) == pytest.approx(-undamped_peak() * quarter, rel=0.1)
-    assert found.of("latch time line", DAMPING) == 0.0
+    assert found.of("latch_torque_peak.line", DAMPING) == pytest.approx(-undamped_peak() * quarter, rel=0.1)
+    assert found.of("latch_time.line", DAMPING) == 0.0
 
 
 KEYS = ("hinge_line.HL3.motor.stowed", "friction.coefficient", "damper.damper.damping_coefficient")
@@ -196,15 +198,15 @@ def test_amos3_against_runs_of_their_own(rigid, until, monkeypatch):
             wanted = np.array([one[number.key] for one in true]) * found.values
             off = np.linalg.norm(row * found.values - wanted) / np.linalg.norm(wanted)
             exact = 1e-5 if rigid else 2e-5  # the smallest component of the interface force has 1.4e-5
-            assert off < (ROUNDED if "latch torque" in name and not rigid else exact), name
+            assert off < (ROUNDED if "latch_torque" in name and not rigid else exact), name
 
 
 def test_a_run_with_neighbours_is_the_run():
     """Its numbers are those of a run without, but for iterations and a step more before a latch-up."""
     found = fanfold.gradients(flap(), MOTOR, verify=False)
     run = fanfold.simulate(flap(), estimate=False)
-    numbers = {" ".join(filter(None, one.key)): one.value for one in found.numbers}
-    assert numbers["latch time line"] == pytest.approx(run.latch_times["line"], rel=of_steps(1e-6))
+    numbers = {one.id: one.value for one in found.numbers}
+    assert numbers["latch_time.line"] == pytest.approx(run.latch_times["line"], rel=of_steps(1e-6))
 
 
 def test_through_an_event_at_a_condition():
@@ -219,10 +221,10 @@ def test_through_an_event_at_a_condition():
     # rate sqrt(T angle / J) at half the angle, sqrt(1.5) times that at the end, and T / 2 J between
     first = 0.5**0.5 * latch_time()
     whole = first + 2.0 * MOMENT * (1.5**0.5 - 1.0) * (ANGLE / MOMENT) ** 0.5
-    assert found.numbers[found.names.index("latch time line")].value == pytest.approx(
+    assert found.numbers[found.names.index("latch_time.line")].value == pytest.approx(
         whole, rel=of_steps(1e-6)
     )
-    assert found.of("latch time line", INERTIA) == pytest.approx(0.5 * whole, rel=of_steps(1e-6))
+    assert found.of("latch_time.line", INERTIA) == pytest.approx(0.5 * whole, rel=of_steps(1e-6))
 
 
 def test_fmus_with_signals_have_no_derivatives():
@@ -267,14 +269,14 @@ def test_the_command(tmp_path):
     asked = ["analyse", "gradients", str(path), "--by", MOTOR, "--output", str(picture)]
     told = CliRunner().invoke(main, asked)
     assert told.exit_code == 0, told.output
-    assert "latch time line" in told.stdout
+    assert "latch_time.line" in told.stdout
     noise = [line for line in told.stdout.splitlines() if "round-off" in line]
-    assert any("interface force peak y" in line for line in noise)  # the flap turns about y
+    assert any("interface_force_peak.y" in line for line in noise)  # the flap turns about y
     assert not any("±" in line for line in noise)
     assert picture.stat().st_size > 1000
     found = json.loads(CliRunner().invoke(main, [*asked, "--json"]).stdout)
     assert found["keys"] == [MOTOR]
-    place = [number[0] for number in found["numbers"]].index("latch time")
+    place = list(found["numbers"]).index("latch_time.line")
     assert 0.0 < found["errors"][place] < 1e-4
     assert found["relative"][place] == pytest.approx([-0.5], rel=of_steps(1e-6))
     wrong = CliRunner().invoke(main, ["analyse", "gradients", str(path), "--by", "scene.name"])

@@ -20,6 +20,6 @@ def test_a_neighbour_follows_its_leader_to_rest():
     scene.event("brake", time=f"{AT} s", set={"rail": {"friction_force": BRAKED}})
     key = "connection.rail.parameters.friction_force"
     found = fanfold.gradients(scene, [key], verify=False)
-    row = dict(zip(found.names, found.derivatives[:, 0], strict=True))["energy exchanged"]
+    row = dict(zip(found.names, found.derivatives[:, 0], strict=True))["energy_exchanged"]
     a, b = (PULL - FRICTION) / MASS, (BRAKED - PULL) / MASS
     assert row == pytest.approx(-PULL / MASS * (0.5 * AT**2 + a * AT**2 / b), rel=5e-3)

@@ -74,6 +74,6 @@ def test_neighbours_of_slender_bodies_follow_through_a_release():
     """
     found = fanfold.gradients(folded(0.8), [RELEASE], tolerance=1e-4, verify=False)
     early, late = (fanfold.simulate(folded(at), tolerance=1e-6, estimate=False) for at in (0.795, 0.805))
-    k = found.names.index("angle, not latched middle")
+    k = found.names.index("unlatched_angle.middle")
     angles = [run["middle_hinge", "angle"][-1] for run in (early, late)]
     assert found.derivatives[k, 0] == pytest.approx((angles[1] - angles[0]) / 0.01, rel=2e-2)

@@ -107,7 +107,7 @@ def test_the_data_sheet_of_amos3_from_its_latch_times():
 @pytest.mark.parametrize("wanted", ["60N.m", "60 N.m", "60000N.mm", 60.0])
 def test_a_unit_may_follow_a_target_at_once(wanted):
     """As in other options. Regression: "60N.m" was no finite number."""
-    assert Target("latch torque peak line", wanted).value("N.m") == pytest.approx(60.0)
+    assert Target("latch_torque_peak.line", wanted).value("N.m") == pytest.approx(60.0)
 
 
 def test_what_targets_do_not_tell_is_named():
@@ -181,7 +181,7 @@ def test_a_number_that_jumps_is_named():
     )
     assert not found.reached
     (sentence,) = found.jumps
-    assert re.match(r"latch time line jumps from 3\.9\d* to 9\.6\d* s between .*stowed = 1\.0000", sentence)
+    assert re.match(r"latch_time.line jumps from 3\.9\d* to 9\.6\d* s between .*stowed = 1\.0000", sentence)
     assert found.runs <= 20
 
 
@@ -198,12 +198,12 @@ def test_runs_are_no_more_than_asked():
 
 
 WRONG = {
-    "form": ({"targets": ["line=3"]}, "is not of the form NAME.QUANTITY=VALUE"),
+    "form": ({"targets": ["line"]}, "is not of the form NUMBER=VALUE"),
     "no such number": (
         {"targets": {"line.latch_tome": 2}},
-        r"target line\.latch_tome: .*did you mean line\.latch_time",
+        r"target line\.latch_tome: .*did you mean latch_time\.line",
     ),
-    "unit": ({"targets": {"line.latch_time": "2 kg"}}, "target latch time line: is '2 kg'"),
+    "unit": ({"targets": {"line.latch_time": "2 kg"}}, "target latch_time.line: is '2 kg'"),
     "no number": ({"targets": {"line.latch_time": "soon"}}, "'soon' is no finite number"),
     "no target": ({"targets": {}}, "there is no target"),
     "no range": ({"vary": {MOTOR: "normal(1 N.m, 0.1 N.m)"}}, "a search needs a range"),
@@ -212,7 +212,7 @@ WRONG = {
     "does not latch": ({"until": 0.5}, "line does not latch with the values that the search starts from"),
     "no such number of a line that does not latch": (
         {"until": 0.5, "targets": {"line.latch_tome": 2}},
-        r"target line\.latch_tome: .*did you mean line\.latch_time",
+        r"target line\.latch_tome: .*did you mean latch_time\.line",
     ),
     "unit where it does not latch": ({"until": 0.5, "targets": {"line.latch_time": "2 kg"}}, "is '2 kg'"),
     "negative": ({"targets": {"line.latch_time": "-2 s"}}, "is '-2 s'; it is never negative"),
@@ -259,7 +259,7 @@ def test_the_command(tmp_path):
     done = CliRunner().invoke(main, ["tune", str(scene), "--target", "line.latch_time=1.75", *vary])
     assert done.exit_code == 0, done.output
     assert "--set 'hinge_line.line.motor.stowed=" in done.stdout
-    assert "latch time line" in done.stdout
+    assert "latch_time.line" in done.stdout
     off = ["tune", str(scene), "--target", "line.latch_time=0.5", *vary, "--most-runs", "4", "--json"]
     away = CliRunner().invoke(main, off)
     assert away.exit_code == 2

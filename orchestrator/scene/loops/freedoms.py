@@ -7,7 +7,7 @@ nothing. Displacements are scaled by 1 m, and a singular value counts from 1e-5 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,10 +16,11 @@ from scipy.linalg import qr
 
 from components.contract.frames import rotate, subtract
 
-from ..scene import CheckedScene
-from ..scene.bodies import StartPose, motions, scene_points, written_poses
-from ..scene.loops.closing import Weight, close, displaced, jacobian, start_poses
-from ..scene.loops.constraints import Constraint, Matrix, constraints, hinge_constraints
+from ...messages import message
+from ..bodies import StartPose, motions, scene_points, written_poses
+from ..schema import CheckedScene
+from .closing import Weight, close, displaced, jacobian, start_poses
+from .constraints import Constraint, Matrix, constraints, hinge_constraints
 
 _RANK = 1e-5
 _AWAY = 0.01
@@ -64,28 +65,52 @@ class Constraints:
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader should know beside the numbers."""
-        told = []
-        if self.is_singular:
-            told.append(
-                f"the scene starts in a singular position: {self.rank} of {self.count} constraints are independent, "
-                f"and {self.nearby} a hundredth of a radian away; forces there depend on the joints' stiffness"
-            )
+        """Sentences on what makes forces depend on the stiffness of joints."""
+        sentences = []
+        if self.nearby is not None and self.is_singular:
+            sentences.append(message("W-singular-start", _singular(self.rank, self.count, self.nearby)))
         if self.redundant:
-            told.append(
-                f"constraints that others imply: {len(self.redundant)}; how loads are shared among them depends on "
-                "the joints' stiffness"
+            sentences.append(
+                message(
+                    "W-redundant",
+                    f"{len(self.redundant)} constraints are redundant. How loads are shared among them depends on the "
+                    "stiffness of the joints.",
+                )
             )
-        return told
+        return sentences
+
+
+def _singular(rank: int, count: int, nearby: int) -> str:
+    return (
+        f"The scene starts in a singular position: {rank} of {count} constraints are independent, and {nearby} at a "
+        "rotation of 0.01 rad from there. Forces at the start depend on the stiffness of the joints."
+    )
+
+
+def singular_starts(scene: CheckedScene) -> Iterator[str]:
+    """A sentence where joints close loops and the scene starts in a singular position."""
+    if not any(connection.preset is not None for connection in scene.connections):
+        return
+    every, poses, moving = _joints(scene)
+    held = [c for c in every if not c.driven]
+    slopes = _slopes(held, poses, moving)
+    rank, nearby = _rank(slopes), _nearby(held, poses, moving, slopes)
+    if nearby is not None and nearby != rank:
+        yield _singular(rank, len(slopes), nearby)
+
+
+def _joints(scene: CheckedScene) -> tuple[list[Constraint], dict[str, StartPose], tuple[str, ...]]:
+    """All constraints of a scene, poses of its bodies at the start, and names of those that can move."""
+    points = scene_points(scene)
+    poses = start_poses(scene, points)
+    every = [*constraints(scene, points, written_poses(scene, points)), *hinge_constraints(scene, points)]
+    fixed = {*motions(scene), *(() if scene.base.free is not None else (scene.base.name,))}
+    return every, dict(poses), tuple(name for name in poses if name not in fixed)
 
 
 def find_constraints(scene: CheckedScene) -> Constraints:
     """Constraints of a scene where it starts."""
-    points = scene_points(scene)
-    poses = start_poses(scene, points)
-    found = [*constraints(scene, points, written_poses(scene, points)), *hinge_constraints(scene, points)]
-    fixed = {*motions(scene), *(() if scene.base.free is not None else (scene.base.name,))}
-    moving = tuple(name for name in poses if name not in fixed)
+    found, poses, moving = _joints(scene)
     held = [c for c in found if not c.driven]
     slopes = _slopes(held, poses, moving)
     values = np.linalg.svd(slopes, compute_uv=False)

@@ -1,0 +1,174 @@
+"""The few numbers that a run is judged by at first sight, as texts rounded to their estimated errors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import floor, log10
+from typing import NamedTuple
+
+from .key_figures import Headline, Number, magnitude_of, round_off_floors, shown
+from .round_off import without_noise
+
+_DIGITS, _WITHOUT_ERROR = 8, 4
+"""Significant digits at most, and of numbers without an estimated error."""
+_TENSION = "tension"
+_MOST_SLACK = 2
+"""Strands, those that are slack the longest."""
+
+
+class LineRow(NamedTuple):
+    """A hinge line: when it latched (s), with which rate (deg/s) and energy (J), impulse of a lock, peak torque."""
+
+    line: str
+    latched: str
+    rate: str
+    energy: str
+    impulse: str
+    torque: str
+
+
+class ShortRow(NamedTuple):
+    """A number: what, value, unit, and what it is of."""
+
+    quantity: str
+    value: str
+    unit: str
+    note: str
+
+
+LINE_HEADINGS = LineRow(
+    "line", "latched at, s", "rate, deg/s", "energy, J", "impulse, N.m.s", "peak torque, N.m"
+)
+
+
+def rounded(value: float, error: float | None) -> str:
+    """A number rounded to its estimated error, and that behind ±; without one to four digits."""
+    if not error:
+        return f"{value:.{_WITHOUT_ERROR}g}"
+    return f"{_to_error(value, error)} ± {float(f'{error:.1g}'):g}"
+
+
+def _to_error(value: float, error: float | None) -> str:
+    """A number rounded to an error, with eight digits at most."""
+    if not error:
+        return f"{value:.{_WITHOUT_ERROR}g}"
+    decimals = -floor(log10(float(f"{error:.1g}")))
+    if value:
+        decimals = min(decimals, _DIGITS - 1 - floor(log10(abs(value))))
+    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+
+
+def line_rows(found: Headline) -> list[LineRow]:
+    """Every line with a latch; "-" for what it has not."""
+    numbers = {number.id: number for number in found.numbers()}
+
+    def cell(quantity: str, line: str) -> str:
+        if line in found.unlatched_angles and quantity == "latch_time":
+            return "not latched"
+        number = numbers.get(f"{quantity}.{line}")
+        return "-" if number is None else rounded(*_as_shown(number))
+
+    return [
+        LineRow(
+            line,
+            *(
+                cell(quantity, line)
+                for quantity in (
+                    "latch_time", "latch_rate", "latch_energy", "latch_impulse", "latch_torque_peak"
+                )
+            ),
+        )
+        for line in (*found.latch_times, *found.unlatched_angles)
+    ]  # fmt: skip
+
+
+def short_rows(found: Headline) -> Iterator[ShortRow]:
+    """Loads on the spacecraft, attitude, extremes of dampers, cables and other parts, energies."""
+    numbers = list(found.numbers())
+    floors = round_off_floors(found)
+    has_lines = bool(found.latch_times or found.unlatched_angles or found.reached_stops)
+    if not has_lines:
+        yield ShortRow("end time", f"{found.end_time:g}", "s", "")
+    for line, time in found.reached_stops.items():
+        yield ShortRow("end stop reached", rounded(time, None), "s", line)
+    for name, load in (
+        ("spacecraft force", "interface force peak"),
+        ("spacecraft torque", "interface torque peak"),
+    ):
+        yield from _vector(f"{name} peak", load, numbers, floors)
+    yield from _vector("attitude peak", "attitude peak", numbers, floors)
+    for quantity in dict.fromkeys(n.quantity for n in numbers if n.quantity in _largest_of(found, has_lines)):
+        yield from _largest(quantity, [n for n in numbers if n.quantity == quantity], floors)
+    yield from _forces(found, numbers, floors)
+    for number in numbers:
+        if number.quantity in ("motor energy", "energy put in") and number.value:
+            yield ShortRow(number.quantity, rounded(number.value, number.error), number.unit, "")
+    if found.energy_residual is not None:
+        yield ShortRow("energy residual", f"{found.energy_residual:.1g}", "", "of the energy exchanged")
+
+
+def _as_shown(number: Number) -> tuple[float, float | None]:
+    """Value and error in the unit that people read."""
+    factor = shown(number.unit)[1]
+    return factor * number.value, None if number.error is None else factor * number.error
+
+
+def _vector(
+    name: str, load: str, numbers: Sequence[Number], floors: Mapping[str, float]
+) -> Iterator[ShortRow]:
+    """Peak of a vector's magnitude where there is one, and peaks of its components; nothing for what is round-off."""
+    parts = [n for n in numbers if n.quantity == load]
+    if not any(without_noise(n.value, floors[load]) for n in parts):
+        return
+    magnitude = next((n for n in numbers if n.quantity == magnitude_of(load)), None)
+    unit, factor = shown(parts[0].unit)
+    of_whole = (magnitude and magnitude.error) or 0.0
+    texts = []
+    for n in parts:
+        value, error = without_noise(n.value, floors[load]), max(n.error or 0.0, of_whole)
+        texts.append(f"{n.of} {_to_error(factor * value, factor * error) if value else '0'}")
+    of_parts = ", ".join(texts)
+    if magnitude is None:
+        yield ShortRow(name, of_parts, unit, "")
+    else:
+        yield ShortRow(name, rounded(*_as_shown(magnitude)), unit, of_parts)
+
+
+def _largest_of(found: Headline, has_lines: bool) -> set[str]:
+    """Quantities of which the largest one is told: torques of parts, and where nothing latches loads at points."""
+    torques = {n.quantity for n in found.torque_numbers()}
+    points = {"port force peak", "port torque peak", "hinge force peak", "hinge torque peak"}
+    return torques if has_lines else torques | points
+
+
+def _largest(quantity: str, numbers: Sequence[Number], floors: Mapping[str, float]) -> Iterator[ShortRow]:
+    top = max(numbers, key=lambda n: n.value)
+    if top.value > floors.get(quantity, 0.0):
+        yield ShortRow(quantity, rounded(*_as_shown(top)), top.unit, top.of)
+
+
+def _forces(found: Headline, numbers: Sequence[Number], floors: Mapping[str, float]) -> Iterator[ShortRow]:
+    """Lowest and highest force of a kind among all parts; of cables that of their strands, and when these are slack."""
+    groups: dict[str, list[tuple[str, str, str]]] = {}
+    for name, forces in found.force_extremes.items():
+        strands = [variable for variable in forces if variable.startswith(_TENSION)]
+        for variable in strands or forces:
+            low, high = forces[variable]
+            if max(abs(low), abs(high)) > floors[name]:
+                kind = "cable tension" if strands else variable.replace("_", " ")
+                strand = variable.removeprefix(_TENSION).replace("_", " ")
+                words = variable.replace("_", " ")
+                groups.setdefault(kind, []).append((name, f"{name}{strand}" if strands else name, words))
+    by_key = {n.key: n for n in numbers}
+    for kind, members in groups.items():
+        ends = []
+        for ending, choose in (("lowest", min), ("highest", max)):
+            value_of = {label: by_key[f"{words} {ending}", name] for name, label, words in members}
+            label = choose(value_of, key=lambda one: value_of[one].value)
+            ends.append((rounded(value_of[label].value, value_of[label].error), label))
+        (lowest, of_low), (highest, of_high) = ends
+        note = of_low if of_low == of_high else f"{of_low} / {of_high}"
+        yield ShortRow(f"{kind} min/max", f"{lowest} / {highest}", "N", note)
+    for one in sorted(found.slack, key=lambda one: one.start - one.end)[:_MOST_SLACK]:
+        strand = one.strand.removeprefix(_TENSION).replace("_", " ")
+        yield ShortRow("slack", f"{one.start:.3g} s to {one.end:.3g} s", "", f"{one.component}{strand}")
