@@ -1,5 +1,6 @@
 """Layers of a scene: what it extends, variants, single settings; every mistake a sentence."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -253,3 +254,13 @@ def test_a_variant_that_changes_what_another_removed_says_so():
 def test_a_scene_drops_a_variant_of_what_it_extends():
     assert "free" in scene_variants(find_scene("amos3"))
     assert "free" not in scene_variants(find_scene("amos3-ground"))
+
+
+def test_a_layer_removes_an_entry_and_writes_it_again(tmp_path):
+    """Regression: fewer keys than before were read as a change of what another variant removed."""
+    base = written(tmp_path, "wing.toml", TWO_PANELS)
+    line = next(one for one in tomllib.loads(TWO_PANELS)["hinge_line"] if one["name"] == "middle_line")
+    again = {key: value for key, value in line.items() if key != "motor"}
+    settings = [("hinge_line", [{"name": "middle_line", "remove": True}, again])]
+    lines = {one.name: one for one in load_scene(base, (), settings).hinge_lines}
+    assert lines["middle_line"].motor is None
