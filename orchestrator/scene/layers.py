@@ -228,12 +228,13 @@ def _merged_entries(key: str, below: Any, above: Any, names: _Names) -> list[Tre
     laid = [entry["name"] for entry in above if entry.get(_REMOVE) is not True]
     if twice := sorted({name for name in laid if laid.count(name) > 1}):
         raise SceneError([f"{key}: a layer has two entries of the name {twice[0]!r}; rename one"])
+    before = dict(names.removed)  # a layer may remove an entry and write it again
     for entry in above:
         name = entry["name"]
         if entry.get(_REMOVE) is not True:
             if name not in entries:
                 place = f"{key}.{name}"
-                if entry.keys() < names.removed.get(place, {}).keys():  # a whole new entry has as many keys
+                if entry.keys() < before.get(place, {}).keys():  # a whole new entry has as many keys
                     raise SceneError(
                         [f"{place}: an earlier variant removed it; these variants do not combine"]
                     )

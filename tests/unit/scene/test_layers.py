@@ -1,5 +1,6 @@
 """Layers of a scene: what it extends, variants, single settings; every mistake a sentence."""
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -267,3 +268,13 @@ def test_names_that_no_file_has_are_sentences(tmp_path, name):
     )
     for table in tables:
         assert problems_of(written(tmp_path, "above.toml", f'extends = "workbench"\n{table}\n'))
+
+
+def test_a_layer_removes_an_entry_and_writes_it_again(tmp_path):
+    """Regression: fewer keys than before were read as a change of what another variant removed."""
+    base = written(tmp_path, "wing.toml", TWO_PANELS)
+    line = next(one for one in tomllib.loads(TWO_PANELS)["hinge_line"] if one["name"] == "middle_line")
+    again = {key: value for key, value in line.items() if key != "motor"}
+    settings = [("hinge_line", [{"name": "middle_line", "remove": True}, again])]
+    lines = {one.name: one for one in load_scene(base, (), settings).hinge_lines}
+    assert lines["middle_line"].motor is None
