@@ -16,7 +16,7 @@ from .contract.connection import HEAT, NO_PAIR, WRENCH, Connection, Impulse, Inp
 from .contract.frames import Vector3, cross, dot, mean, rotate, scaled, subtract
 from .contract.record import Record, flagged, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, PENETRATION, POTENTIAL_ENERGY
-from .numerics.mid_step import MidStep
+from .numerics.interval_mean import MidStep
 from .numerics.relative_motion import pair, unit_direction
 
 _NARROW = 1e-3

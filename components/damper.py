@@ -8,8 +8,8 @@ from .contract.connection import HEAT, Impulse, Inputs
 from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, LOAD, ORDER
 from .numerics.axial import AxialConnection, Turn
-from .numerics.mid_step import MidStep
-from .numerics.workless_pair import gauss_rates, viscous_load
+from .numerics.fourth_order_correction import gauss_rates, viscous_load
+from .numerics.interval_mean import MidStep
 
 
 class _Parameters(NamedTuple):

@@ -27,7 +27,7 @@ from .contract.frames import (
 from .contract.ports import WRENCH_SIZE, PortMotion
 from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, LOAD
-from .numerics.mid_step import MidStep
+from .numerics.interval_mean import MidStep
 
 _NORMAL, _TURN_AXIS = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 

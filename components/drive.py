@@ -24,10 +24,10 @@ from .contract.roles import (
     SUPPLIED_ENERGY,
 )
 from .numerics.axial import AxialConnection, Turn
+from .numerics.fourth_order_correction import remembered_path, workless_spring
+from .numerics.interval_mean import MidStep
 from .numerics.laws import cubic_step
-from .numerics.mid_step import MidStep
 from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
-from .numerics.workless_pair import remembered_path, workless_spring
 
 _PROFILES = ("step", "step5", "commanded")
 _GAUSS = 0.6**0.5

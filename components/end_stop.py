@@ -21,10 +21,10 @@ from .contract.roles import (
     POTENTIAL_ENERGY,
 )
 from .numerics.axial import AxialConnection, Turn
+from .numerics.fourth_order_correction import gauss_rates, remembered_path, viscous_load, workless_law
+from .numerics.interval_mean import MidStep
 from .numerics.laws import SlackSpring, cubic_step, mean_force
-from .numerics.mid_step import MidStep
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
-from .numerics.workless_pair import gauss_rates, remembered_path, viscous_load, workless_law
 
 OF_HINGE = "_stop"
 """What scenes call the end stop of a hinge, behind its name."""

@@ -52,11 +52,11 @@ from .hinge_parts.variables import (
     Parameters,
     State,
 )
+from .numerics.fourth_order_correction import memories_after
+from .numerics.interval_mean import MidStep, MidStepSlope
 from .numerics.laws import Linear, Table
-from .numerics.mid_step import MidStep, MidStepSlope
 from .numerics.relative_motion import axis_frame, pair, relative_pose, relative_rates
 from .numerics.stiff_coordinate import Memory
-from .numerics.workless_pair import memories_after
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")

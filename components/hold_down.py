@@ -24,11 +24,11 @@ from .contract.roles import (
     RELEASE_COMMAND,
     TIME_TO_BREAK,
 )
-from .numerics.mid_step import MidStep
+from .numerics.fourth_order_correction import memories_after, stiff_load
+from .numerics.interval_mean import MidStep
 from .numerics.relative_motion import Passage, pair, unit_direction
 from .numerics.scheme import INSTANT, NEVER
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
-from .numerics.workless_pair import memories_after, stiff_load
 
 _NOWHERE = (0.0, 0.0, 0.0)
 _REACHED = 1e-9  # distance (s) from the release time that sums of step sizes, or a solver's search, may leave

@@ -23,11 +23,11 @@ from .contract.roles import (
     SUPPLIED_ENERGY,
     TIME_TO_BREAK,
 )
-from .numerics.mid_step import MidStep
+from .numerics.fourth_order_correction import remembered_path, workless_spring
+from .numerics.interval_mean import MidStep
 from .numerics.motion_law import MotionLaw
 from .numerics.relative_motion import Passage, axis_frame, pair
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
-from .numerics.workless_pair import remembered_path, workless_spring
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 

@@ -43,8 +43,9 @@ from .contract.roles import (
     ORDER,
     POTENTIAL_ENERGY,
 )
+from .numerics.fourth_order_correction import gauss_rates, memories_after, stiff_load, viscous_load
+from .numerics.interval_mean import MidStep
 from .numerics.laws import stiction_factors
-from .numerics.mid_step import MidStep
 from .numerics.presliding import Presliding, step_force
 from .numerics.relative_motion import (
     Passage,
@@ -55,7 +56,6 @@ from .numerics.relative_motion import (
     relative_rates,
 )
 from .numerics.stiff_coordinate import Memory, StepMotion
-from .numerics.workless_pair import gauss_rates, memories_after, stiff_load, viscous_load
 
 Four = tuple[float, float, float, float]
 Two = tuple[float, float]

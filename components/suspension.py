@@ -10,8 +10,8 @@ from .contract.connection import HEAT, NO_PAIR, SLOPES, WRENCH, Connection, Impu
 from .contract.frames import Vector3, add, dot, mean, norm, scaled, subtract
 from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, ORDER, POTENTIAL_ENERGY
+from .numerics.interval_mean import MidStep
 from .numerics.laws import SlackSpring
-from .numerics.mid_step import MidStep
 from .numerics.relative_motion import Line
 from .numerics.stiff_coordinate import Memory, StepMotion
 from .numerics.strand import damping_power, mean_tension, strand_load, tension_at

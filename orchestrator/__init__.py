@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from .api.export import export as export
     from .api.export import export_body as export_body
     from .api.gradients import gradients as gradients
-    from .api.handbook.face import docs as docs
-    from .api.handbook.face import json_schema as json_schema
+    from .api.handbook.python_face import docs as docs
+    from .api.handbook.python_face import json_schema as json_schema
     from .api.pictures import plot as plot
     from .api.plugins import figure as figure
     from .api.plugins import load_plugin as load_plugin
@@ -80,8 +80,8 @@ _HOMES = {
     "compare": "orchestrator.api.documents",
     "plot_comparison": "orchestrator.api.documents",
     "report": "orchestrator.api.documents",
-    "docs": "orchestrator.api.handbook.face",
-    "json_schema": "orchestrator.api.handbook.face",
+    "docs": "orchestrator.api.handbook.python_face",
+    "json_schema": "orchestrator.api.handbook.python_face",
     "plot": "orchestrator.api.pictures",
     "figure": "orchestrator.api.plugins",
     "load_plugin": "orchestrator.api.plugins",

@@ -51,7 +51,7 @@ def written_folder() -> Path | None:
     return users_folder()
 
 
-def place_sentence() -> str:
+def unwritable_cache() -> str:
     """What to tell where files cannot be written to where they should be; empty where they can."""
     chosen, place = folder(), written_folder()
     if place == chosen:

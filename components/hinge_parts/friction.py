@@ -7,10 +7,10 @@ from math import sqrt
 from typing import NamedTuple
 
 from ..contract.frames import Vector3
+from ..numerics.fourth_order_correction import gauss_rates, viscous_load
 from ..numerics.laws import static_factor, stiction_factors
 from ..numerics.presliding import Presliding, instant_force, step_force, within
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion
-from ..numerics.workless_pair import gauss_rates, viscous_load
 from .state import Constants
 from .variables import State
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import sqrt
 
 from ..contract.frames import Quaternion, Vector3, rotate
+from ..numerics.fourth_order_correction import stiff_load, workless_law
 from ..numerics.laws import Law, mean_force
 from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import conjugate_torque
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion, damped_load
-from ..numerics.workless_pair import stiff_load, workless_law
 from .friction import instant_friction, step_friction
 from .state import Constants, Held, Loads, StiffLoads, mean_swing, shifted
 from .variables import State

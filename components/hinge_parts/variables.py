@@ -25,7 +25,7 @@ from ..contract.roles import (
     POTENTIAL_ENERGY,
     lagged,
 )
-from ..numerics.mid_step import MidStep, MidStepSlope
+from ..numerics.interval_mean import MidStep, MidStepSlope
 from ..numerics.stiff_coordinate import Memory
 
 Six = tuple[float, float, float, float, float, float]

@@ -11,7 +11,7 @@ from ..flexible.modal import ModalData
 from . import agreement
 from .agreement import NOTHING_STATED, Finding, Stated
 from .data import FiniteElementData, checked, in_si, without_empty
-from .massless import with_mass_everywhere
+from .massless_dofs import with_mass_everywhere
 from .model import finite_element_model
 from .points import JoinedPoint, with_means, with_rigid_elements
 from .reading import read

@@ -13,7 +13,7 @@ from ..contract.frames import sum_of_moments
 from ..contract.ports import WRENCH_SIZE
 from ..contract.record import kept, observed
 from ..contract.roles import INTERFACE_LOAD, LOAD, PORT_LOAD, lagged
-from .mid_step import StepMean, between, extrapolated
+from .interval_mean import StepMean, between, extrapolated
 from .scheme import STOPPED
 
 _SIZES = 2

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from .fourth_order_correction import workless_law
 from .laws import SlackSpring, mean_force
 from .stiff_coordinate import MeanLoad, StepMotion
-from .workless_pair import workless_law
 
 
 def tension_at(strand: SlackSpring, damping: float, elongation: float, rate: float) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from components.contract.component import Vector
 
-from ..results.peaks.search import extremes
+from ..results.peaks import extremes
 from ..results.result import Result, ResultError
 
 CONTACT_FORCE, STOP_TORQUE = TOUCHING_LOADS = ("contact_force", "stop_torque")

@@ -28,7 +28,7 @@ from ..scene import CheckedScene, SceneError
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, with_angles
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import held_bodies
-from ..scene.loops.closing import start_poses
+from ..scene.loops.initial_assembly import start_poses
 
 Kind = Literal["total", "structure"]
 

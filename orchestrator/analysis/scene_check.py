@@ -14,8 +14,6 @@ from components.contract.frames import Vector3, add, rotate, rotation_matrix
 from components.flexible.modal import ModalData
 
 from ..assembly.assemble import assemble
-from ..assembly.doubts.cable_loops import loop_travels
-from ..assembly.doubts.plausibility import assembled_doubts
 from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
@@ -34,7 +32,9 @@ from ..scene.body_tables import Body, Fidelity
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import held_bodies
-from ..scene.loops.closing import Closed, extended, start_poses
+from ..scene.loops.initial_assembly import Closed, extended, start_poses
+from ..validity.before_run import warnings_before_run
+from ..validity.cable_loops import loop_travels
 
 Places = Mapping[str, StartPose]
 Points = Mapping[str, Mapping[str, Vector3]]
@@ -161,7 +161,7 @@ def check_scene(
         scene=scene.header.name,
         problems=(),
         warnings=(
-            *assembled_doubts(scene, assembly, [name for name, one in bends.items() if one]),
+            *warnings_before_run(scene, assembly, [name for name, one in bends.items() if one]),
             *_out_of_reach(scene, far),
         ),
         bodies=tuple(_bodies(scene, models, chosen, held)),

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from ..assembly.assemble import assemble
-from ..assembly.doubts.at_the_start import turned_from_the_world
 from ..assembly.fidelities import bending
-from ..assembly.spin import unstiffened_spins
 from ..assembly.statics.steady_spin import spin_at_start
 from ..messages import coded, message
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
 from ..scene.builder import Names, listed
+from ..validity.centrifugal_stiffening import unstiffened_spins
+from ..validity.start import turned_from_the_world
 from .documents import ResultLike, opened
 from .progress import chosen
 from .quantities import Quantity, at_least, by_line, in_si
@@ -75,7 +75,7 @@ def modes(
     steady spin, whose modes are those in axes that turn along. count: modes beyond the free motions.
     """
     from ..analysis.modes import find_modes
-    from ..analysis.unstated_joints import unstated_joint_sentences
+    from ..validity.default_joints import default_joint_warnings
 
     checked = _for_small_motion(scene, rigid, spinning=True)
     target = _configuration(checked, configuration, angles, latched)
@@ -96,7 +96,7 @@ def modes(
     )
     if as_posed:
         _tell_of_posing(checked, rigid, flexible, target, found.unbalanced)
-    for sentence in unstated_joint_sentences(checked, found.model, found.shapes):
+    for sentence in default_joint_warnings(checked, found.model, found.shapes):
         warn(message("W-joint-stiffness", sentence))
     return found
 
@@ -455,7 +455,7 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
 
     spinning: whether the analysis is about the steady spin of a base.
     """
-    from ..analysis.small_motion import left_out
+    from ..validity.small_motion import left_out
 
     checked = as_scene(scene).check_one_run()
     for sentence in coded("W-base-turned", turned_from_the_world(checked)):

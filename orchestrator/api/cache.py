@@ -26,4 +26,4 @@ def cache(clear: bool = False) -> Cache:
     """The cache as it is; with `clear`, as it was before all its files were removed."""
     place = disk.written_folder()
     found = [] if place is None else (disk.clear if clear else disk.entries)(place)
-    return Cache(place, len(found), sum(entry.size for entry in found), disk.LIMIT, disk.place_sentence())
+    return Cache(place, len(found), sum(entry.size for entry in found), disk.LIMIT, disk.unwritable_cache())

@@ -16,7 +16,7 @@ from ..run.as_one.export import export_as_one
 from ..run.body_export import ExportedBody
 from ..run.body_export import export_body as _export_body
 from ..run.preload import started_at_rest
-from ..run.simulation import python_sentence
+from ..run.simulation import missing_backend
 from ..run.system_structure import check_ssp, write_ssp
 from ..scene.builder import Names, listed
 from ..scene.component_connections import WrenchMode
@@ -67,7 +67,7 @@ def export(
     if ssp is not None:
         _check_ssp(Path(ssp), fmi, wrench_mode)
     wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
-    if fmi == "2.0" and not sources and not wanted and (sentence := python_sentence(backend)):
+    if fmi == "2.0" and not sources and not wanted and (sentence := missing_backend(backend)):
         warn(message("W-backend", sentence))
 
     def assembled(mode: WrenchMode) -> Assembly:

@@ -37,7 +37,7 @@ def gradients(
 
     `derivatives` (numbers, keys) are in the unit of the number over that of the key; `relative` is percent by percent.
     `errors` (numbers) tell how far the gradient of each can be trusted, `single_errors` (numbers, keys) how far every
-    derivative, also where it is small beside others; `doubtful` names those that mean nothing.
+    derivative, also where it is small beside others; `unreliable` names those that mean nothing.
     FanfoldError where there is no derivative: for whole numbers, and where a small change makes another event happen.
     """
     options = options_of(rigid, flexible, large_deformation, until, tolerance)

@@ -100,7 +100,9 @@ class Result(Record):
 
     @property
     def _messages(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys((*self.told, *self.headline.open_ends(), *self.headline.messages)))
+        return tuple(
+            dict.fromkeys((*self.stored_messages, *self.headline.open_ends(), *self.headline.messages))
+        )
 
     def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
         """Run twice more with steps halved and quartered: extrapolated value, error, order of every headline number.

@@ -18,20 +18,20 @@ from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import Piece, PortSite, held_bodies, joined, joined_geometry, joined_model, pieces
-from ..scene.loops.closing import start_poses
 from ..scene.loops.coupled_lines import coupled_lines, rates_with
+from ..scene.loops.initial_assembly import start_poses
 from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
 from . import HingeLine as AssemblyHingeLine
 from .beams import beam_part
-from .bolted_lines import bolted_lines
 from .driving import driving
 from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
 from .fidelities import choose_fidelity
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
+from .locked_at_start import bolted_lines
 from .signal_fmus import signal_fmus
 from .start_values import with_port_starts
 

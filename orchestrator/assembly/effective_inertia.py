@@ -16,7 +16,7 @@ from components.flexible.modal import ModalData
 
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, with_angles
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.loops.closing import start_poses
+from ..scene.loops.initial_assembly import start_poses
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 

@@ -18,8 +18,8 @@ from components.contract.roles import (
 from components.end_stop import OF_HINGE, EndStop
 
 from ..scene.component_connections import in_range, number_of, value_of
-from ..scene.events.tables import Event as EventTable
-from ..scene.events.tables import When
+from ..scene.event_tables import Event as EventTable
+from ..scene.event_tables import When
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Condition, Event, HingeLine, Part, Setting

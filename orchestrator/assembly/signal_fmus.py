@@ -19,7 +19,7 @@ from fmus.description.binaries import binary_member, folder_here
 from fmus.description.units import base_unit, has_root
 
 from ..scene.schema import SMALLEST_STEP, CheckedScene
-from ..scene.signals.tables import Fmu
+from ..scene.signal_tables import Fmu
 from ..scene.table import SceneError
 from . import HingeLine, Part, Signal, SignalFmu
 from .array_elements import element, length

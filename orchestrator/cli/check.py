@@ -101,9 +101,9 @@ def _check_scene(
 
 def _print(found: SceneCheck, asked: Path | None, usual: Path) -> None:
     """Doubts, tables, and the file of the picture."""
+    from .picture_list import pictures
+    from .scene_tables import scene_tables
     from .tables import terminal
-    from .tables.pictures import pictures
-    from .tables.scene import scene_tables
 
     console = terminal()
     for table in scene_tables(found):

@@ -29,7 +29,7 @@ _RULES = Rules(
     forget=stepping.FORGET,
     growth_margin=stepping.GROWTH_MARGIN,
     least_error=stepping.LEAST_ERROR,
-    stirred_steps=stepping.STIRRED_STEPS,
+    settling_steps=stepping.STIRRED_STEPS,
     after_growth=stepping.STEPS_AFTER_GROWTH,
     after_shrinking=stepping.STEPS_AFTER_SHRINKING,
     most_levels=stepping.MOST_LEVELS,
@@ -174,7 +174,7 @@ class CompiledMaster(Master):
         loop = self._loop
         self._block.end(loop.rows)
         self.time, self._break = loop.time, loop.break_time
-        self._divided = stepping.DividedStep(loop.parts, loop.stood)
+        self._divided = stepping.SubdividedStep(loop.parts, loop.stood)
         self.statistics.steps += loop.made
         self.statistics.rejected += loop.rejected
         self.segments[-1].extend(self._steps[: loop.made].tolist())

@@ -42,7 +42,7 @@ from fmus.binary import cut_short
 
 from .isolation.process import LONGEST_CALL, IsolatedFmu
 from .isolation.process import library as isolation_library
-from .native.described import described_in, said_of, says
+from .native.fmu_variables import described_in, said_of, says
 from .native.library import Calls, library
 from .native.shared_library import library_of, unpack
 from .participant import Matrix, ParticipantError, Vector, refuse_not_finite

@@ -15,7 +15,7 @@ import numpy as np
 from .implicit.convergence import CREDIBLE
 from .implicit.differences import stepped
 from .implicit.interface_jacobian import first_port_axes, jacobian_block
-from .implicit.local_error import WatchedLoad
+from .implicit.local_error import WeightedLoad
 from .implicit.snapshot import Numbers
 from .implicit.solver import Solver
 from .network import Network
@@ -228,7 +228,7 @@ def _rate(solver: Solver, hinge: Stiffening) -> float:
     return float(table.ravel() @ ports.reshape(-1, 13)[:, 7:].ravel())
 
 
-def watched_loads(network: Network, line: StiffenedLine, energy: float) -> list[WatchedLoad]:
+def watched_loads(network: Network, line: StiffenedLine, energy: float) -> list[WeightedLoad]:
     """The loads of a line's hinges, judged beside an energy (J) of the line."""
     found = []
     for hinge in line.hinges:
@@ -236,5 +236,5 @@ def watched_loads(network: Network, line: StiffenedLine, energy: float) -> list[
         port, row = len(links) - 1, network.width.wrench * int(links[-1]) + hinge.first
         x, y, z = hinge.axis.tolist()
         weight = len(line.hinges) * line.frequency**2 / (2.0 * hinge.stiffness * energy)
-        found.append(WatchedLoad(hinge.connection, port, row, (x, y, z), weight))
+        found.append(WeightedLoad(hinge.connection, port, row, (x, y, z), weight))
     return found

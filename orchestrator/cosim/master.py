@@ -16,10 +16,10 @@ from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
 from .events.breaks import HoldDowns, times_to_break
+from .events.contact_onset import Strikes
 from .events.crossings import Fall, find_event, first_met, met_with, still_to_latch
-from .events.instant_rows import InstantRows, instant_of
-from .events.judged_loads import JudgedLoads
-from .events.strikes import Strikes
+from .events.load_error_weights import JudgedLoads
+from .events.post_event_rows import PostEventRows, instant_of
 from .implicit.convergence import Solution, Tolerance
 from .implicit.impulse import impulse
 from .implicit.native_solver import NativeSolver
@@ -30,7 +30,7 @@ from .participant import ParticipantError, Vector
 from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
-from .stepping import DividedStep, ErrorEstimate, StepError, StepSizes, failure
+from .stepping import ErrorEstimate, StepError, StepSizes, SubdividedStep, failure
 
 
 class Master(CoSimulation):
@@ -61,12 +61,12 @@ class Master(CoSimulation):
         self._start_step = min(share * settings.start_step, largest)
         self._sizes.restart(self._start_step)
         self._guard = EnergyGuard(self._energies)
-        self._divided = DividedStep()
+        self._divided = SubdividedStep()
         self._plan = stepping.StepPlan(settings.step_plan or ())
         self._judged = JudgedLoads(solver)
         self._strikes = Strikes(network.participants, solver.observations)
         self._reached: list[HingeLine | Event] = []
-        self._jumps = InstantRows(solver, self._rows, self._observe, self._add_instant)
+        self._jumps = PostEventRows(solver, self._rows, self._observe, self._add_instant)
         self._laws = times_to_break(network.participants)
         self._hold_downs = HoldDowns(network.participants)
         self._break = inf
@@ -199,7 +199,7 @@ class Master(CoSimulation):
         self._error.see(numbers["error_energy"])
         self._sizes = StepSizes(**numbers["sizes"])
         self._guard = EnergyGuard.of(numbers["guard"])
-        self._divided = DividedStep(**numbers["divided"])
+        self._divided = SubdividedStep(**numbers["divided"])
         self._judged.take(numbers["judged"])
         self._strikes.before[:], self._strikes.waiting[:] = numbers["strikes"]
         self._before, self._break = numbers["before"], numbers["break"]

@@ -20,7 +20,7 @@ from .participant import Matrix, Participant, Vector
 from .ports import MOTION, UNITS, WIDTHS, WRENCH, Order, Side, port_places
 
 
-class Meeting(NamedTuple):
+class PortConnection(NamedTuple):
     """A body's port and the connection's port it meets, all by number: in the network, and in its participant."""
 
     body: int
@@ -98,7 +98,7 @@ class Network:
             for side, port in enumerate(ports)
         }
         self.meetings = [
-            Meeting(number, side, *meets[(b.name, port)])
+            PortConnection(number, side, *meets[(b.name, port)])
             for number, (b, ports) in enumerate(zip(self.bodies, self.body_ports, strict=True))
             for side, port in enumerate(ports)
         ]

@@ -202,7 +202,7 @@ def share_of_steps(tolerance: float) -> float:
 
 
 @dataclass
-class DividedStep:
+class SubdividedStep:
     """Parts that a fixed step is made in, as whole ones did not converge or gained energy; made: steps of this size.
 
     Parts become fewer seldom: steps that are larger and smaller in turn pump what is stiff.

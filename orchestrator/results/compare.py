@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
+from .crests import Peak
 from .energy_ledger import tolerance_asked
 from .estimated_errors import POINT_PEAKS
 from .identifiers import identifier
 from .key_figures import latch_times, line_latch_torque, shown
-from .lines.latch_impulse import latch_impulses
-from .lines.latch_rate import latch_energies, latch_rates
-from .peaks.crests import Peak
-from .peaks.search import peak
+from .latch_impulse import latch_impulses
+from .latch_rate import latch_energies, latch_rates
+from .peaks import peak
 from .point_loads import point_loads
 from .result import Result
-from .round_off import NOISE, noise_floor, without_noise
+from .round_off import NOISE, noise_floor, rounded_to_floor
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
@@ -132,7 +132,7 @@ def _rate_rows(a: Result, b: Result) -> Iterator[Compared]:
     for result in (a, b):
         times = latch_times(result)
         rates = latch_rates(result, times)
-        found.append((rates, latch_energies(result, rates, latch_impulses(result, times))))
+        found.append((rates, latch_energies(result, times, rates, latch_impulses(result, times))))
     for quantity, unit, values in zip(
         ("latch rate", "latch energy"), ("rad/s", "J"), zip(*found, strict=True), strict=True
     ):
@@ -208,7 +208,7 @@ def _with_noise(rows: Sequence[Compared], tolerance: float) -> Iterator[Compared
 
 
 def _is_noise(value: float | None, floor: float) -> bool:
-    return bool(value) and without_noise(value or 0.0, floor) == 0.0
+    return bool(value) and rounded_to_floor(value or 0.0, floor) == 0.0
 
 
 def _is_nothing(row: Compared) -> bool:

@@ -48,7 +48,7 @@ SIZING = (*OF_LATCHES, OF_STOPS)
 """Quantities that size hinges."""
 PROMISED = (*SIZING, OF_CONTACTS, *_LOADS)
 """Quantities that a run is repeated for where they are likely to miss."""
-VOUCHED = (*PROMISED, *POINT_PEAKS)
+JUDGED = (*PROMISED, *POINT_PEAKS)
 """Quantities that a run vouches for, or says that it does not."""
 
 
@@ -121,7 +121,7 @@ def error_messages(
     """
     if tolerance is None:
         return []
-    shares = _shares(numbers, errors, VOUCHED)
+    shares = _shares(numbers, errors, JUDGED)
     notable = max(_NOTABLE, MOST_TOLERANCES * tolerance)
     large = {
         key: share.most for key, share in shares.items() if key[0] in PROMISED and share.likely > notable
@@ -136,7 +136,7 @@ def error_messages(
         message("W-error", f"{subject}: the estimated error is {100 * share:.2g} % of {whole}. {advice}")
         for subject, share, whole in _together(large)
     ]
-    beyond = doubtful(numbers, errors, tolerance)
+    beyond = beyond_ten_tolerances(numbers, errors, tolerance)
     messages += [
         message(
             "N-tolerance",
@@ -149,22 +149,22 @@ def error_messages(
     return messages
 
 
-def doubtful(
+def beyond_ten_tolerances(
     numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float
 ) -> dict[Key, float]:
     """The numbers that cannot be vouched for to ten tolerances, and what they may be off by at the most.
 
     As a share of what each is judged by, see `doubts`.
     """
-    shares = _shares(numbers, errors, VOUCHED)
+    shares = _shares(numbers, errors, JUDGED)
     return {key: share.most for key, share in shares.items() if share.most > MOST_TOLERANCES * tolerance}
 
 
-def errors_told(
+def tabulated_errors(
     numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float | None
 ) -> dict[Key, float]:
     """The error of each number in tables: beyond ten tolerances the largest possible one, otherwise the likely one."""
-    warned = {} if tolerance is None else doubtful(numbers, errors, tolerance)
+    warned = {} if tolerance is None else beyond_ten_tolerances(numbers, errors, tolerance)
     return {key: error.most if key in warned else error.likely for key, error in errors.items()}
 
 
@@ -241,7 +241,7 @@ def _sizes(
     }
     round_off = round_off_of_loads(numbers)
     for key, value in numbers:
-        if key[0] not in VOUCHED or key not in errors or largest.get(key[0], inf) <= round_off:
+        if key[0] not in JUDGED or key not in errors or largest.get(key[0], inf) <= round_off:
             continue
         size = largest.get(key[0], abs(value))
         if key[0] not in _AMONG or max(abs(value), errors[key].likely) > noise_floor([size]):

@@ -15,21 +15,21 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
 from ..messages import is_note, message
+from .crests import Peak
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import (
     POINT_PEAKS,
     Key,
     error_messages,
-    errors_told,
     estimated_errors,
     round_off_of_loads,
+    tabulated_errors,
     unknown_errors,
 )
 from .identifiers import identifier
-from .lines.latch_impulse import latch_impulses
-from .lines.latch_rate import latch_energies, latch_rates
-from .lines.slack import Slack, slack_strands
-from .lines.straying import (
+from .latch_impulse import latch_impulses
+from .latch_rate import latch_energies, latch_rates
+from .line_travel import (
     Overrun,
     ShortOf,
     bent,
@@ -43,12 +43,12 @@ from .lines.straying import (
     short_of_stops,
     unlatched_angles,
 )
-from .peaks.crests import Peak
-from .peaks.search import peak
+from .peaks import peak
 from .point_loads import point_loads
 from .result import Result
-from .round_off import noise_floor, without_noise
+from .round_off import noise_floor, rounded_to_floor
 from .signal import EVENT_WIDTH
+from .slack_strands import Slack, slack_strands
 from .verdict import NotOpened, lines_sentence, not_opened
 
 Vector = NDArray[np.float64]
@@ -345,7 +345,7 @@ def headline(result: Result) -> Headline:
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses=impulses,
         latch_rates=rates,
-        latch_energies=latch_energies(result, rates, impulses),
+        latch_energies=latch_energies(result, times, rates, impulses),
         slack=slack_strands(result),
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
@@ -378,7 +378,7 @@ def headline(result: Result) -> Headline:
     return replace(
         found,
         messages=(*found.messages, *unknown_errors(result), *of_errors),
-        estimated_errors=_with_magnitudes(numbers, errors_told(numbers, errors, asked)),
+        estimated_errors=_with_magnitudes(numbers, tabulated_errors(numbers, errors, asked)),
     )
 
 
@@ -443,7 +443,7 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
         of = _OF_THE_RUN.get(number.quantity, of)
         unit, size = shown(number.unit)
         digits = ".6f" if unit == "s" else ".5g"
-        value = format(size * without_noise(number.value, floor), digits)
+        value = format(size * rounded_to_floor(number.value, floor), digits)
         error = "" if number.error is None else format(size * number.error, ".1g")
         yield number.quantity.replace(" magnitude", ""), of, value, unit, error
 

@@ -16,8 +16,8 @@ from ..assembly import Geometry, HingeLine
 Vector = NDArray[np.float64]
 Event = tuple[float, str, str]
 Scalar = float | int | str
-TOLD = "told"
-"""The text of the provenance that holds what people were told of a run, as JSON."""
+MESSAGES = "messages"
+"""The text of the provenance that holds the messages of a run, as JSON."""
 
 
 class Meaning(NamedTuple):

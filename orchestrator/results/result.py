@@ -85,13 +85,13 @@ class Result:
 
     @property
     def name(self) -> str:
-        """What it is called where people are told of it: its file, or its scene."""
+        """Its file, or its scene, for messages."""
         return str(self.path) if self.path is not None else self.provenance.get("scene", "result")
 
     @property
-    def told(self) -> tuple[str, ...]:
-        """Sentences that were told when it was run, such as on theory beyond its range."""
-        return parts.sentences_of(self.provenance.get(parts.TOLD, "[]"))
+    def stored_messages(self) -> tuple[str, ...]:
+        """Messages of the run, with their codes."""
+        return parts.sentences_of(self.provenance.get(parts.MESSAGES, "[]"))
 
     @property
     def components(self) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ from components.cache.room import reserve
 from ..assembly import Geometry, HingeLine
 from .columns import Column, ColumnMaker
 from .compact import compact
-from .parts import TOLD, Event, Scalar
+from .parts import MESSAGES, Event, Scalar
 from .recorder import SignalGroup
 from .result import FORMAT, FORMAT_VERSION, HDF5_ERRORS, Result, ResultError, Vector, reason
 
@@ -426,21 +426,21 @@ def with_statistics(result: Result, values: Mapping[str, Scalar]) -> Result:
     return replace(result, statistics={**result.statistics, **values})
 
 
-def with_told(result: Result, sentences: Sequence[str]) -> Result:
-    """The result with what people were told of its run, in its file as well; ResultError where that cannot be written.
+def with_messages(result: Result, sentences: Sequence[str]) -> Result:
+    """The result with the messages of its run, in its file as well; ResultError where that cannot be written.
 
-    `Result.told` reads it.
+    `Result.stored_messages` reads it.
     """
     text = json.dumps(list(dict.fromkeys(sentences)))
     if result.path is not None:
         try:
             with h5py.File(result.path, "r+") as file:
-                if TOLD in file["provenance"]:
-                    del file["provenance"][TOLD]
-                _write_provenance(file["provenance"], {TOLD: text})
+                if MESSAGES in file["provenance"]:
+                    del file["provenance"][MESSAGES]
+                _write_provenance(file["provenance"], {MESSAGES: text})
         except HDF5_ERRORS as error:
             raise ResultError(f"{result.path}: the result cannot be written ({reason(error)})") from None
-    return replace(result, provenance={**result.provenance, TOLD: text})
+    return replace(result, provenance={**result.provenance, MESSAGES: text})
 
 
 def _write_provenance(folder: Any, provenance: Mapping[str, str]) -> None:  # noqa: ANN401

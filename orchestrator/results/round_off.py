@@ -13,6 +13,6 @@ def noise_floor(group: Iterable[float]) -> float:
     return NOISE * max(map(abs, group), default=0.0)
 
 
-def without_noise(value: float, floor: float) -> float:
+def rounded_to_floor(value: float, floor: float) -> float:
     """The value, or 0 (never -0) where it is round-off."""
     return value if abs(value) > floor else 0.0

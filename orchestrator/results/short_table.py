@@ -7,7 +7,7 @@ from math import floor, log10
 from typing import NamedTuple
 
 from .key_figures import Headline, Number, magnitude_of, round_off_floors, shown
-from .round_off import without_noise
+from .round_off import rounded_to_floor
 
 _DIGITS, _WITHOUT_ERROR = 8, 4
 """Significant digits at most, and of numbers without an estimated error."""
@@ -118,14 +118,14 @@ def _vector(
 ) -> Iterator[ShortRow]:
     """Peak of a vector's magnitude where there is one, and peaks of its components; nothing for what is round-off."""
     parts = [n for n in numbers if n.quantity == load]
-    if not any(without_noise(n.value, floors[load]) for n in parts):
+    if not any(rounded_to_floor(n.value, floors[load]) for n in parts):
         return
     magnitude = next((n for n in numbers if n.quantity == magnitude_of(load)), None)
     unit, factor = shown(parts[0].unit)
     of_whole = (magnitude and magnitude.error) or 0.0
     texts = []
     for n in parts:
-        value, error = without_noise(n.value, floors[load]), max(n.error or 0.0, of_whole)
+        value, error = rounded_to_floor(n.value, floors[load]), max(n.error or 0.0, of_whole)
         texts.append(f"{n.of} {_to_error(factor * value, factor * error) if value else '0'}")
     of_parts = ", ".join(texts)
     if magnitude is None:

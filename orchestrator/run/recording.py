@@ -21,8 +21,8 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 from ..messages import message
 from ..results.energy_ledger import rows_of_exchange
 from ..results.key_figures import headline, line_latch_torque
-from ..results.lines.straying import overruns
-from ..results.peaks.search import jumps, sides, tops
+from ..results.line_travel import overruns
+from ..results.peaks import jumps, sides, tops
 from ..results.point_loads import point_loads
 from ..results.result import Result, Vector
 from ..results.result_file import save

@@ -8,40 +8,40 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
-from components.cache.disk import place_sentence
+from components.cache.disk import unwritable_cache
 from fmus import Backend, native_library
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
-from ..assembly.doubts.plausibility import assembled_doubts
-from ..assembly.spin import unstiffened_spins
-from ..cosim.native.library import absence_sentence
+from ..cosim.native.library import missing_compiled_code
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
 from ..messages import coded, is_note, message
 from ..results.attitude import turned_over
 from ..results.earlier import SETTINGS, settings_text
 from ..results.earlier import refuse_to_lose as refuse_to_lose_result
-from ..results.result_file import refuse_to_replace, with_told
+from ..results.result_file import refuse_to_replace, with_messages
 from ..scene import CheckedScene, read_scene
 from ..scene.component_connections import WrenchMode
 from ..scene.digests import digests
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
+from ..validity.axial_load import axial_load_warnings
+from ..validity.before_run import warnings_before_run
+from ..validity.centrifugal_stiffening import unstiffened_spins
+from ..validity.creep import creep_warnings
+from ..validity.events import event_warnings
+from ..validity.linear_range import linear_range_warnings
+from ..validity.opened_joints import opened_joint_warnings
+from ..validity.sampled_loops import sampled_loop_warnings
 from .checkpoint import Checkpoint, checkpoint_file
-from .companion import with_estimates
+from .error_estimate import with_estimates
 from .errors import whole_if_interrupted
-from .idle_events import idle_events
-from .limits.compression import compressed_sentences
-from .limits.creep import creeping_sentences
-from .limits.linear_range import linear_range_messages
-from .limits.open_joints import open_joint_sentences
-from .limits.sampled_loops import sampled_loop_sentences
 from .load_energy import with_energy_of_loads
 from .preload import let_go_at_start, lost_preloads, moved_starts
 from .progress import Progress, followed, silent
 from .recording import Recording
-from .refinement import refined
 from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
+from .tolerance_refinement import refined
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
@@ -196,7 +196,7 @@ def simulate(
     for sentence in _after(scene, options, assembly, outcome):
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
-    outcome = replace(outcome, result=with_told(kept, [*dict.fromkeys(messages)]))
+    outcome = replace(outcome, result=with_messages(kept, [*dict.fromkeys(messages)]))
     for sentence in outcome.headline.warnings:
         warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
@@ -226,16 +226,16 @@ def _estimated(
 def _missing_parts(options: Options) -> Iterator[str]:
     """Warnings of what the installation lacks."""
     sentences = {
-        "W-backend": python_sentence(options.backend),
-        "W-compiled-code": absence_sentence(),
-        "W-cache": place_sentence(),
+        "W-backend": missing_backend(options.backend),
+        "W-compiled-code": missing_compiled_code(),
+        "W-cache": unwritable_cache(),
     }
     yield from (message(code, sentence) for code, sentence in sentences.items() if sentence)
 
 
 def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
     """What is told of a scene before it is run."""
-    yield from assembled_doubts(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
+    yield from warnings_before_run(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
     yield from coded(
         "W-held-body", _held_sentences(assembly, {*options.flexible, *options.large_deformation})
     )
@@ -247,17 +247,17 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     """What is told of a run."""
     if options.step is not None and outcome.costs.rejected:
         yield message("W-step-divided", _divided(assembly, options.step, outcome))
-    yield from coded("W-fmu-loop", sampled_loop_sentences(assembly, outcome.result))
+    yield from coded("W-fmu-loop", sampled_loop_warnings(assembly, outcome.result))
     yield from outcome.headline.open_ends()
     if outcome.restless:
         yield message("W-restless", f"{assembly.name}: {outcome.restless}")
     yield from coded("W-preload", lost_preloads(assembly, outcome.result))
     yield from coded("W-preload", moved_starts(assembly, outcome.result))
-    yield from coded("W-event", idle_events(assembly, outcome.result))
-    yield from coded("W-joint-opened", open_joint_sentences(scene, assembly, outcome.result))
-    yield from linear_range_messages(scene, assembly, outcome.result)
-    yield from coded("W-compression", compressed_sentences(scene, assembly, outcome.result))
-    yield from coded("W-creep", creeping_sentences(assembly, outcome.result))
+    yield from coded("W-event", event_warnings(assembly, outcome.result))
+    yield from coded("W-joint-opened", opened_joint_warnings(scene, assembly, outcome.result))
+    yield from linear_range_warnings(scene, assembly, outcome.result)
+    yield from coded("W-compression", axial_load_warnings(scene, assembly, outcome.result))
+    yield from coded("W-creep", creep_warnings(assembly, outcome.result))
     yield from coded("W-attitude", turned_over(outcome.result))
 
 
@@ -289,7 +289,7 @@ def _refuse_spacing(what: str, seconds: float | None) -> None:
         raise RunError(f"the time between {what} is {seconds:g} s; it must be positive and finite")
 
 
-def python_sentence(backend: Backend | None) -> str:
+def missing_backend(backend: Backend | None) -> str:
     """What to tell where nothing was said of a back end and there is no native one; empty where there is."""
     if backend is not None or native_library() is not None:
         return ""

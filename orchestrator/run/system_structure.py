@@ -22,7 +22,7 @@ from fmus.description.units import base_unit, has_root
 from ..assembly import Assembly, Link
 from ..cosim.ports import MOTION, UNITS, WRENCH
 from ..scene.body_tables import Fidelity
-from ..scene.exchange.system_structure import MEMBER, carried
+from ..scene.system_structure import MEMBER, carried
 
 if TYPE_CHECKING:
     from pyssp_standard.ssd import Component, Connection

@@ -15,13 +15,13 @@ from components.contract.plugins import loaded_plugins
 from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
-from .events.tables import Event
+from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, plugin_files, read_layers, with_absolute_files
 from .plugins.trust import trust_programs
 from .reader import check_layers, find_scene, variant_problems
 from .schema import CheckedScene, Header
-from .signals.tables import Fmu
+from .signal_tables import Fmu
 from .table import SceneError, Table
 from .validation import EntryReader
 

@@ -11,7 +11,7 @@ from components.contract.frames import Vector3, add, cross, dot, norm, rotate, s
 from .bodies import Attachment, StartPose, motions
 from .body_tables import Body
 from .connection_tables import Damper
-from .events.tables import Event
+from .event_tables import Event
 from .hinge_line_tables import HingeLine
 from .locked_groups import joined
 from .schema import CheckedScene

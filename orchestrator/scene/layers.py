@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from components.contract.regular import is_regular
 from components.imported.files import NAMES
 
-from .exchange.system_structure import scene_of
+from .system_structure import scene_of
 from .table import SceneError
 
 Tree = dict[str, Any]

@@ -14,21 +14,21 @@ from components.contract.regular import is_regular
 from components.end_stop import OF_HINGE
 
 from . import consistency
+from .arrays import Array, expanded
 from .bodies import attachments, body_points, scene_points
 from .body_tables import Base, Body
 from .component_connections import buried_contacts, connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
-from .events.tables import Event
-from .expansion.arrays import Array, expanded
-from .expansion.presets import with_presets
+from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
+from .joint_presets import with_presets
 from .layers import Layers, Setting, Tree, data_files, plugin_files, read_layers, resolved
-from .loops.closing import closed, open_loops
+from .loops.initial_assembly import closed, open_loops
 from .plugins import loading
 from .plugins.trials import plugin_problems
 from .schema import CheckedScene, Header
-from .signals.tables import Fmu
+from .signal_tables import Fmu
 from .table import SceneError, Table
 from .validation import Entries, EntryReader
 

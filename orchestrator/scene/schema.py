@@ -11,9 +11,9 @@ from pydantic import Field
 from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
-from .events.tables import Event
+from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
-from .signals.tables import Fmu
+from .signal_tables import Fmu
 from .table import ORIGIN, Name, SceneName, Table
 from .units import Acceleration, Duration, PositiveRatio
 

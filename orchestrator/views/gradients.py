@@ -30,8 +30,8 @@ def plot_gradients(found: Gradients, path: Path) -> Path:
     shown = relative[rows]
     limit = float(np.abs(shown).max(initial=_LEAST))
     names = [found.names[i] for i in rows]
-    doubtful = found.doubtful
-    doubted = [i for i, name in enumerate(names) if name in doubtful]
+    unreliable = found.unreliable
+    doubted = [i for i, name in enumerate(names) if name in unreliable]
     with mpl.rc_context(STYLE):
         figure = empty_figure(3.6 + 1.1 * len(found.keys), 2.2 + 0.25 * len(rows), "constrained")
         axes = figure.subplots()

@@ -21,10 +21,10 @@ from components.contract.roles import ATTITUDE, DISSIPATION, INTERFACE_LOAD, LOA
 
 from ..analysis.motion.histories import chosen
 from ..results import point_loads
+from ..results.crests import Peak
 from ..results.key_figures import latch_times, line_latch_torque
-from ..results.lines.straying import overruns
-from ..results.peaks.crests import Peak
-from ..results.peaks.search import extremes, peak
+from ..results.line_travel import overruns
+from ..results.peaks import extremes, peak
 from ..results.result import Result, ResultError
 from .motion.histories import draw_histories
 from .motion.plates import draw_plates

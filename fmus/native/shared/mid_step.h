@@ -1,5 +1,5 @@
 /* Means over a step belong to its middle; this brings them to the communication point at its end: the twin of
-   components/numerics/mid_step.py, which says why. */
+   components/numerics/interval_mean.py, which says why. */
 
 #ifndef FANFOLD_MID_STEP_H
 #define FANFOLD_MID_STEP_H

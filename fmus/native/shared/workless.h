@@ -1,4 +1,4 @@
-/* Force of a coordinate that is linear in time over a step: the twin of components/numerics/workless_pair.py, which
+/* Force of a coordinate that is linear in time over a step: the twin of components/numerics/fourth_order_correction.py, which
    says why. */
 
 #ifndef FANFOLD_WORKLESS_H

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from components.contract.component import Vector
 
 from ...assembly import Assembly
-from ...cosim.neighbours.solvers import AstrayError
+from ...cosim.sensitivity.solvers import AstrayError
 from ...results.key_figures import Number, headline
 from ...results.result import Result
 from ...results.round_off import noise_floor
@@ -90,7 +90,7 @@ class Gradients:
         return found
 
     @property
-    def doubtful(self) -> tuple[str, ...]:
+    def unreliable(self) -> tuple[str, ...]:
         """Names of the numbers whose derivatives mean nothing: small changes of the keys do not add up in them."""
         return tuple(name for name, error in zip(self.names, self.errors, strict=True) if error > _DOUBTFUL)
 
@@ -103,9 +103,9 @@ class Gradients:
                 f"{self.scene}: the errors know nothing of those of the steps, as no neighbour could follow a run at a "
                 f"tenth of the tolerance: {self.unverified}"
             )
-        if doubtful := ", ".join(self.doubtful):
+        if unreliable := ", ".join(self.unreliable):
             told.append(
-                f"{self.scene}: nobody vouches for the derivatives of {doubtful}: a small change of all "
+                f"{self.scene}: nobody vouches for the derivatives of {unreliable}: a small change of all "
                 "keys together is not the sum of those of each, as where ringing is chaotic or not resolved, or rigid "
                 "bodies lock, whose loads hang on chance; try a smaller tolerance, or latches that are springs"
             )
@@ -153,7 +153,7 @@ class Parameter(NamedTuple):
         return multiplied(tree, self.keys, value)
 
 
-class Beside(NamedTuple):
+class PerturbedValue(NamedTuple):
     """A value of a parameter beside its own, and what it makes of the scene."""
 
     value: float
@@ -231,7 +231,7 @@ def _follow(
     assembly: Assembly,
     options: Options,
     parameters: Sequence[Parameter],
-    beside: Sequence[Sequence[Beside]],
+    beside: Sequence[Sequence[PerturbedValue]],
     together: Sequence[Together],
     watch: Callable[[float, float], None],
 ) -> Followed:
@@ -240,7 +240,9 @@ def _follow(
     return run_beside(assembly, others, options.settings(assembly), options.until or assembly.until, watch)
 
 
-def _named(parameters: Sequence[Parameter], beside: Sequence[Sequence[Beside]]) -> dict[str, Assembly]:
+def _named(
+    parameters: Sequence[Parameter], beside: Sequence[Sequence[PerturbedValue]]
+) -> dict[str, Assembly]:
     """Neighbours by what they are called, in order."""
     return {
         f"{one.name} {'+' if side.value > one.value else '-'}": side.assembly
@@ -253,7 +255,7 @@ def _follow_finer(
     assembly: Assembly,
     options: Options,
     parameters: Sequence[Parameter],
-    beside: Sequence[Sequence[Beside]],
+    beside: Sequence[Sequence[PerturbedValue]],
     together: Sequence[Together],
     watch: Callable[[float, float], None],
 ) -> Followed:
@@ -271,7 +273,7 @@ def _follow_finer(
 def _told(
     assembly: Assembly,
     parameters: Sequence[Parameter],
-    beside: Sequence[Sequence[Beside]],
+    beside: Sequence[Sequence[PerturbedValue]],
     together: Sequence[Together],
     followed: Followed,
     finer: Followed | None,
@@ -363,7 +365,7 @@ def _together(
     scene: Scene,
     options: Options,
     parameters: Sequence[Parameter],
-    beside: Sequence[Sequence[Beside]],
+    beside: Sequence[Sequence[PerturbedValue]],
     *,
     central: bool,
 ) -> list[Together]:
@@ -414,15 +416,15 @@ def _refuse(keys: Sequence[str], options: Options) -> None:
 
 def _neighbours(
     scene: Scene, options: Options, one: Parameter, part: float, *, central: bool
-) -> list[Beside]:
+) -> list[PerturbedValue]:
     """On both sides of a parameter where both can be and are wanted, or on the first that can be."""
     step = part * (abs(one.value) or _OF_ZERO)
-    found: list[Beside] = []
+    found: list[PerturbedValue] = []
     refused: list[SceneError] = []
     for value in (one.value + step, one.value - step):
         try:
             other = scene.with_settings(one.settings(scene.tree, value)).check_one_run()
-            found.append(Beside(value, options.assemble(other)))
+            found.append(PerturbedValue(value, options.assemble(other)))
         except SceneError as error:
             refused.append(error)
         if found and not central:

@@ -12,10 +12,10 @@ from components import FanfoldError
 from ...assembly import Assembly
 from ...cosim.fmu import FmuParticipant
 from ...cosim.native.library import library
-from ...cosim.neighbours.leader import Leader
-from ...cosim.neighbours.neighbour import Neighbour
 from ...cosim.network import Network
 from ...cosim.participant import Participant, ParticipantError
+from ...cosim.sensitivity.nominal_run import NominalRun
+from ...cosim.sensitivity.perturbed_run import PerturbedRun
 from ...cosim.settings import Settings
 from ...cosim.stepping import StepError
 from ...results.recorder import MemoryRecorder
@@ -53,15 +53,19 @@ def run_beside(
         try:
             own = stack.enter_context(as_fmus(assembly))
             _refuse_slow(assembly, own)
-            neighbours: list[Neighbour] = []
+            neighbours: list[PerturbedRun] = []
             recorders: list[MemoryRecorder] = []
             for name, other in others.items():
                 participants = stack.enter_context(_instances(own, assembly, other))
                 network, recorder = _with_recorder(other, participants)
-                neighbours.append(Neighbour(name, network, other.hinge_lines, recorder, beside, other.events))
+                neighbours.append(
+                    PerturbedRun(name, network, other.hinge_lines, recorder, beside, other.events)
+                )
                 recorders.append(recorder)
             network, recorder = _with_recorder(assembly, own)
-            leader = Leader(neighbours, network, assembly.hinge_lines, recorder, settings, assembly.events)
+            leader = NominalRun(
+                neighbours, network, assembly.hinge_lines, recorder, settings, assembly.events
+            )
             leader.initialize(preload=assembly.preload)
             leader.run(until)
         except (ParticipantError, StepError) as error:

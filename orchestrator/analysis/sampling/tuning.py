@@ -236,7 +236,7 @@ class _Search:
         names = [one.number for one in self.targets]
         if missing := sorted({*names} - {*found.names}):
             raise StudyError(f"{self.named(point)}: the run has no {', '.join(missing)}")
-        if {*names} & {*found.doubtful}:
+        if {*names} & {*found.unreliable}:
             raise StudyError(found.warning)
         rows = found.derivatives[[found.names.index(name) for name in names]]
         units = [found.numbers[found.names.index(name)].unit for name in names]

@@ -19,7 +19,7 @@ from components.hinge import Hinge
 
 from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
-from ...assembly.bolted_lines import bolts_across, without_bolts
+from ...assembly.locked_at_start import bolts_across, without_bolts
 from ...cosim.master import Master
 from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, Participant, ParticipantError, Vector
@@ -30,7 +30,7 @@ from ...run.run import Loader, RunError, kept_fmus
 from ...scene import CheckedScene
 from ...scene.bodies import scene_points
 from ...scene.hinge_line_tables import HingeLine
-from ...scene.loops.closing import closed, left_open
+from ...scene.loops.initial_assembly import closed, left_open
 from ...scene.table import SceneError
 from ...scene.units import degrees_text
 from .rules import GroupTorques, LineTorques

@@ -33,8 +33,8 @@ _COUPLING = (
     "orchestrator.cosim.latch_up",
     "orchestrator.cosim.static_search",
     "orchestrator.cosim.explicit",
-    "orchestrator.run.companion",
-    "orchestrator.run.refinement",
+    "orchestrator.run.error_estimate",
+    "orchestrator.run.tolerance_refinement",
     "orchestrator.run.verify",
 )
 

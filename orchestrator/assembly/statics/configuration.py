@@ -13,9 +13,9 @@ from ...scene import CheckedScene, SceneError
 from ...scene.bodies import scene_points, with_angles
 from ...scene.builder import Names, listed
 from ...scene.hinge_line_tables import HingeLine
-from ...scene.loops.closing import closed, left_open, start_poses
+from ...scene.loops.initial_assembly import closed, left_open, start_poses
 from ..assemble import assemble
-from ..bolted_lines import bolted_lines
+from ..locked_at_start import bolted_lines
 from .equilibrium_search import settle
 from .linear_model import LinearModel, linearise
 from .mechanism import Mechanism

@@ -80,7 +80,7 @@ def command(
         content = {"scene": scene.name, "equilibria": [one.as_dict() for one in found]}
         click.echo(json.dumps(content))
         return
-    from ..tables.equilibrium import print_loads, print_sweep
+    from ..equilibrium_table import print_loads, print_sweep
 
     if sweeps:
         print_sweep(found)

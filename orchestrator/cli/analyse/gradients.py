@@ -87,7 +87,11 @@ def command(
 def _report(found: Gradients, verified: bool) -> None:
     from ..tables import Column, tables_that_fit, terminal
 
-    console, round_off, doubtful = terminal(), found.round_off.tolist(), {*found.doubtful}
+    console, round_off, unreliable = (
+        terminal(),
+        found.round_off.tolist(),
+        {*found.unreliable},
+    )
     fixed = [
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
@@ -106,7 +110,7 @@ def _report(found: Gradients, verified: bool) -> None:
             [
                 ""
                 if nothing and not error <= _REAL * abs(value)
-                else _sure(value, error, believed=name not in doubtful)
+                else _sure(value, error, believed=name not in unreliable)
                 for name, nothing, value, error in zip(found.names, round_off, values, errors, strict=True)
             ],
         )

@@ -96,8 +96,8 @@ def command(
         around=around,
         insert_margin=insert_margin,
     )
+    from ..picture_list import pictures
     from ..tables import terminal
-    from ..tables.pictures import pictures
 
     console = terminal()
     console.print(_table(found))

@@ -100,14 +100,9 @@ def command(
     """
     from ...analysis.torque_margin.margins import margin_cases
     from ...analysis.torque_margin.restart import restart_shares
+    from ..picture_list import pictures
     from ..tables import terminal
-    from ..tables.pictures import pictures
-    from ..tables.torque_margin import (
-        margin_sentences,
-        margin_table,
-        restart_sentences,
-        restart_table,
-    )
+    from ..torque_margin_table import margin_sentences, margin_table, restart_sentences, restart_table
 
     refuse_idle("--until", "--restart")
     scene = choice.load()

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..network import Meeting
+from ..network import PortConnection
 
 Indices = np.ndarray[Any, np.dtype[np.uintp]]
 
@@ -52,7 +52,7 @@ Range = tuple[int, int]
 class _Pattern:
     """Groups, the neighbours of each, and the columns of a group that another depends on."""
 
-    def __init__(self, meetings: list[Meeting], width: int, still: Set[int]) -> None:
+    def __init__(self, meetings: list[PortConnection], width: int, still: Set[int]) -> None:
         bodies_of: dict[int, set[int]] = defaultdict(set)
         for meeting in meetings:
             bodies_of[meeting.connection].add(meeting.body)
@@ -126,7 +126,7 @@ class _Pattern:
         return sum(self.sizes[other] for other in self.neighbours[group])
 
 
-def eliminate(meetings: list[Meeting], width: int, still: Set[int] = frozenset()) -> Elimination:
+def eliminate(meetings: list[PortConnection], width: int, still: Set[int] = frozenset()) -> Elimination:
     """Order and tables for the links of a network, in the order of its unknowns.
 
     width: numbers of a wrench; still: bodies that never move.
@@ -171,7 +171,7 @@ def eliminate(meetings: list[Meeting], width: int, still: Set[int] = frozenset()
     )
 
 
-def _pairs(meetings: list[Meeting], still: Set[int]) -> list[tuple[int, int]]:
+def _pairs(meetings: list[PortConnection], still: Set[int]) -> list[tuple[int, int]]:
     """Row and column links of the matrix, in the order in which connections are added to it."""
     of_body: dict[int, list[int]] = defaultdict(list)
     of_connection: dict[int, list[tuple[int, int]]] = defaultdict(list)

@@ -22,7 +22,7 @@ NO_LOAD = 1e-6
 """Of the load of a step: what was less than this in the step before was none."""
 
 
-class WatchedLoad(NamedTuple):
+class WeightedLoad(NamedTuple):
     """A torque, or a force, along an axis fixed in a port of a connection, judged beside an energy of its own.
 
     connection, port: by number, the port within the connection; row: of its first component in the unknown; axis
@@ -56,7 +56,7 @@ def error_square(
     mobilities: Sequence[Matrix],
     bend: Bend,
     accuracy: Accuracy,
-    watched: Sequence[WatchedLoad],
+    watched: Sequence[WeightedLoad],
     loads: Loads,
     h: float,
     energy: float,
@@ -96,7 +96,7 @@ def _of_means(network: Network, rows: slice, mobility: Matrix) -> tuple[NDArray[
 
 
 def _watched_square(
-    network: Network, w: WatchedLoad, bend: Bend, left: Vector, loads: Loads, h: float
+    network: Network, w: WeightedLoad, bend: Bend, left: Vector, loads: Loads, h: float
 ) -> float:
     """All of a load bends in a step that strikes: steps before tell nothing of it, and by chance a part of a jump."""
     along = first_port_axes(network.connections[w.connection].inputs[13 * w.port :]) @ np.array(w.axis)

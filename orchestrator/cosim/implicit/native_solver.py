@@ -20,7 +20,7 @@ from .convergence import LAST_REFRESHED, Solution, Tolerance
 from .elimination import eliminate
 from .history import Table
 from .interface_jacobian import Key, Matrices
-from .local_error import NO_LOAD, WatchedLoad
+from .local_error import NO_LOAD, WeightedLoad
 from .solver import Solver
 
 _LIMITS = Limits(
@@ -205,7 +205,7 @@ class NativeSolver(Solver):
         square: float = self._library.coupling_error_square(self._pointer, time + 0.5 * h, h, energy)
         return None if isnan(square) else square
 
-    def watch(self, watched: Sequence[WatchedLoad]) -> None:
+    def watch(self, watched: Sequence[WeightedLoad]) -> None:
         """Hand them over."""
         first = self._data.bodies
         self._watched = (Watched * len(watched))(

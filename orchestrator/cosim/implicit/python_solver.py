@@ -13,7 +13,7 @@ from . import convergence
 from .convergence import Extent, Solution, Tolerance, broyden, round_off
 from .history import History, Table
 from .interface_jacobian import Matrices
-from .local_error import Accuracy, Loads, WatchedLoad, error_square
+from .local_error import Accuracy, Loads, WeightedLoad, error_square
 from .solver import Solver
 from .sparse_system import SparseSystem
 
@@ -26,7 +26,7 @@ class PythonSolver(Solver):
         self._sweeps = 0
         self._system = SparseSystem(network)
         self._history = History(len(network.port_names), network.width)
-        self._watched: Sequence[WatchedLoad] = ()
+        self._watched: Sequence[WeightedLoad] = ()
         self._mobilities: list[Matrix] = []
         self._extent = Extent(0.0, 0.0)
         self._tolerated = np.zeros(network.size)
@@ -96,7 +96,7 @@ class PythonSolver(Solver):
         loads = Loads(self.accepted, self.wrenches)
         return error_square(self.network, self._mobilities, bend, accuracy, self._watched, loads, h, energy)
 
-    def watch(self, watched: Sequence[WatchedLoad]) -> None:
+    def watch(self, watched: Sequence[WeightedLoad]) -> None:
         """Keep them for `error_square`."""
         self._watched = watched
 

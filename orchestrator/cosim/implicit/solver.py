@@ -18,7 +18,7 @@ from ..participant import Matrix, ParticipantError, Vector
 from .convergence import ROUND_OFF, Solution, Tolerance, is_credible
 from .history import Table
 from .interface_jacobian import InterfaceJacobian, Key, Matrices
-from .local_error import WatchedLoad, jump_work
+from .local_error import WeightedLoad, jump_work
 
 _MAX_DAMPED = 30
 _SMALLEST_SHARE = 1e-3
@@ -87,7 +87,7 @@ class Solver(ABC):
         """
 
     @abstractmethod
-    def watch(self, watched: Sequence[WatchedLoad]) -> None:
+    def watch(self, watched: Sequence[WeightedLoad]) -> None:
         """Judge these torques beside energies of their own from now on, and no others."""
 
     @abstractmethod

@@ -144,7 +144,7 @@ def library() -> CDLL | None:
     return found if list(sizes) == [sizeof(one) for one in _STRUCTURES] else None
 
 
-def absence_sentence() -> str:
+def missing_compiled_code() -> str:
     """What to tell where the coupled steps are made in Python for want of the library; empty where it is there."""
     if library() is not None:
         return ""

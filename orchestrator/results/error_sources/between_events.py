@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..peaks.search import jumps
+from ..peaks import jumps
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 

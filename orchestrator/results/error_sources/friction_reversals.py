@@ -12,7 +12,7 @@ import numpy as np
 from ..estimated_errors import Key
 from ..result import Result, Vector
 from .between_events import rows_between_events
-from .step_ends import INTERFACE_PEAKS, Peaks
+from .sampling_error import INTERFACE_PEAKS, Peaks
 
 _SIDE = 3
 """Rows on either side of a reversal, with a parabola through them."""

@@ -31,7 +31,7 @@ from ...cosim.ports import Order
 from ...cosim.rows import recorded_layout
 from ...cosim.settings import Settings
 from ...scene.schema import TOLERANCES
-from .rest import rest
+from .initial_equilibrium import rest
 from .tables import DRIVEN, Command, Peak, tables
 
 _TOLD = (

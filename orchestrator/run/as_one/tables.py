@@ -22,7 +22,7 @@ from ...assembly import Assembly, Event, HingeLine, Part
 from ...cosim import energy_guard, stepping
 from ...cosim.energy_balance import energy_rows
 from ...cosim.events.breaks import is_hold_down, place_of_break
-from ...cosim.events.strikes import penetrations
+from ...cosim.events.contact_onset import penetrations
 from ...cosim.implicit import convergence
 from ...cosim.implicit.elimination import eliminate
 from ...cosim.implicit.local_error import NO_LOAD

@@ -31,7 +31,7 @@ from components.point_motion import PointMotion
 from ..bodies import StartPose
 from ..component_connections import component_values
 from ..connection_tables import Connection
-from ..expansion.presets import CONSTRAINED
+from ..joint_presets import CONSTRAINED
 from ..schema import CheckedScene
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]

@@ -19,8 +19,8 @@ from components.contract.frames import rotate, subtract
 from ...messages import message
 from ..bodies import StartPose, motions, scene_points, written_poses
 from ..schema import CheckedScene
-from .closing import Weight, close, displaced, jacobian, start_poses
 from .constraints import Constraint, Matrix, constraints, hinge_constraints
+from .initial_assembly import Weight, close, displaced, jacobian, start_poses
 
 _RANK = 1e-5
 _AWAY = 0.01
@@ -87,7 +87,7 @@ def _singular(rank: int, count: int, nearby: int) -> str:
     )
 
 
-def singular_starts(scene: CheckedScene) -> Iterator[str]:
+def singular_start_warnings(scene: CheckedScene) -> Iterator[str]:
     """A sentence where joints close loops and the scene starts in a singular position."""
     if not any(connection.preset is not None for connection in scene.connections):
         return

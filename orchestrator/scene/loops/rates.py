@@ -11,8 +11,8 @@ from components.contract.frames import Vector3
 from ..bodies import StartPose, body_model, motions, written_poses
 from ..body_tables import Motion
 from ..schema import CheckedScene
-from .closing import Weight, acts, jacobian, least_displacements
 from .constraints import Constraint, Vector, constraints
+from .initial_assembly import Weight, acts, jacobian, least_displacements
 
 
 def start_rates(

@@ -10,7 +10,7 @@ from orchestrator.results.energy_ledger import tolerance_asked
 from orchestrator.results.estimated_errors import (
     EstimatedError,
     Key,
-    doubtful,
+    beyond_ten_tolerances,
     estimated_errors,
     round_off_of_loads,
 )
@@ -77,7 +77,7 @@ def deviations(found: Outcome, reference: Outcome) -> list[Deviation]:
 def _doubtful(found: Outcome, estimates: Mapping[Key, EstimatedError]) -> Collection[Key]:
     """Numbers that a run says it does not vouch for."""
     numbers = [(number.key, number.value) for number in found.headline.numbers()]
-    return doubtful(numbers, estimates, tolerance_asked(found.result) or inf)
+    return beyond_ten_tolerances(numbers, estimates, tolerance_asked(found.result) or inf)
 
 
 def _numbers(found: Headline) -> dict[Key, float]:

@@ -21,10 +21,10 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.assembly.hinges import line_latch
 from orchestrator.cosim.settings import Settings
 from orchestrator.results.energy_ledger import tolerance_taken
-from orchestrator.run.companion import with_estimates
+from orchestrator.run.error_estimate import with_estimates
 from orchestrator.run.progress import Watch
-from orchestrator.run.refinement import refined
 from orchestrator.run.run import Outcome, RunError, run
+from orchestrator.run.tolerance_refinement import refined
 from tests.benchmark.campaign.errors import (
     GROUPS,
     LARGEST,

@@ -9,10 +9,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from components.numerics.workless_pair import remembered_path, workless_law, workless_spring
 
 from components.numerics.laws import Law, Linear, mean_force
 from components.numerics.stiff_coordinate import bushing_load, damped_load, remembered
-from components.numerics.workless_pair import remembered_path, workless_law, workless_spring
 from tests.references.held_beam import Beam, Path, coupled, energy, exact_means, integrated_means
 
 BEAM = Beam.pinned_free()

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 import orchestrator as fanfold
 from orchestrator.cli.main import main
-from orchestrator.cli.tables.scene import scene_tables
+from orchestrator.cli.scene_tables import scene_tables
 from orchestrator.views.scene_check import apart, draw_scene
 from tests.unit.scene.scene_cases import SCENES
 

@@ -11,10 +11,10 @@ from click.testing import CliRunner
 from orchestrator.analysis.torque_margin.margins import find_margins, torque_margin
 from orchestrator.analysis.torque_margin.rules import GroupTorques, LineTorques, margins
 from orchestrator.analysis.torque_margin.standard import FACTORS
-from orchestrator.assembly.doubts.plausibility import doubts
 from orchestrator.cli.main import main
-from orchestrator.cli.tables.torque_margin import margin_sentences
+from orchestrator.cli.torque_margin_table import margin_sentences
 from orchestrator.scene import find_scene, load_scene
+from orchestrator.validity.before_run import doubts
 from tests.unit.analysis.friction_balances import BALANCES, balance_scene
 
 

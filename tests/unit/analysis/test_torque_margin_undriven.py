@@ -18,7 +18,7 @@ from orchestrator.analysis.torque_margin.rules import Found, LineTorques, margin
 from orchestrator.analysis.torque_margin.standard import FACTORS
 from orchestrator.analysis.torque_margin.undriven import without_margin
 from orchestrator.cli.main import main
-from orchestrator.cli.tables.torque_margin import (
+from orchestrator.cli.torque_margin_table import (
     margin_table,
     restart_sentences,
     restart_table,

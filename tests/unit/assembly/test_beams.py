@@ -10,8 +10,8 @@ import orchestrator as fanfold
 from components import REGISTRY, Instance
 from orchestrator.analysis.scene_check import check_scene
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.doubts.plausibility import doubts
 from orchestrator.scene import SceneError
+from orchestrator.validity.before_run import doubts
 from orchestrator.views.shapes import placed
 from tests.unit.scene.scene_cases import parts_of
 

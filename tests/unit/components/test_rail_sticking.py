@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from components.numerics.fourth_order_correction import workless_spring
 from components.numerics.presliding import step_force
 from components.numerics.stiff_coordinate import Memory, StepMotion
-from components.numerics.workless_pair import workless_spring
 from components.rail import Rail
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, with_moments

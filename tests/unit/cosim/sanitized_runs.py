@@ -34,7 +34,7 @@ def main() -> None:
     """Flexible panels and a scene with loops and contact for a moment; rigid panels through an event and a latch-up."""
     module.LIBRARY = Path(sys.argv[1])
     if module.library() is None:
-        sys.exit(module.absence_sentence())
+        sys.exit(module.missing_compiled_code())
     with tempfile.TemporaryDirectory() as folder:
         wing = Path(folder) / "wing.toml"
         wing.write_text(f"extends = '{find_scene('workbench')}'\n{EVENTS}", encoding="utf-8")

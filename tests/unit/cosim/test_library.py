@@ -24,14 +24,14 @@ def other(monkeypatch, tmp_path):
 
 def test_a_missing_library_is_told(other):
     """Nothing stands where it belongs."""
-    assert "was not built" in module.absence_sentence()
+    assert "was not built" in module.missing_compiled_code()
 
 
 def test_a_library_of_another_version_is_told(other):
     """What stands there is not what the source makes."""
     other.write_bytes(b"of another version")
-    assert "another version" in module.absence_sentence()
-    assert "pip install" in module.absence_sentence()
+    assert "another version" in module.missing_compiled_code()
+    assert "pip install" in module.missing_compiled_code()
 
 
 def test_runs_are_clean_under_sanitizers(tmp_path):

@@ -36,7 +36,7 @@ def test_lagged_observations_are_not_recorded():
 
 
 def test_what_is_coupled_at_order_2_is_right_at_once():
-    """Beside a body of order 2 a hinge keeps no means of steps before. Regression: its loads were 0."""
+    """PerturbedRuns a body of order 2 a hinge keeps no means of steps before. Regression: its loads were 0."""
     recorder, observations, scene, held = rows({"base"})
     observations[:], scene[:] = (1, 2, 3, 0, 0, 4, 0), 5
     held.hold(0.1, continues=False)

@@ -25,7 +25,7 @@ from orchestrator.cosim.implicit.solvers import solver_for
 from orchestrator.cosim.implicit.sparse_system import SparseSystem
 from orchestrator.cosim.native import library as coupling_library
 from orchestrator.cosim.native.library import Calls, library
-from orchestrator.cosim.network import Meeting, Network
+from orchestrator.cosim.network import Network, PortConnection
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.ports import WIDTHS, PortPlaces
 from orchestrator.cosim.settings import Settings
@@ -67,7 +67,7 @@ class Wired:
         counts = [sum(body == end[0] for end in ends) for body in range(bodies)]
         starts = np.cumsum([0, *counts]).tolist()
         self.meetings = [
-            Meeting(body, link - starts[body], c, side) for link, (body, c, side) in enumerate(ends)
+            PortConnection(body, link - starts[body], c, side) for link, (body, c, side) in enumerate(ends)
         ]
         self.size = wrench * len(ends)
         self.body_ports = [[str(k) for k in range(count)] for count in counts]

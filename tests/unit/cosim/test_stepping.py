@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.cosim.events.crossings import Fall, find_event, first_met, met_with
 from orchestrator.cosim.implicit.convergence import MAX_ITERATIONS, is_too_slow
-from orchestrator.cosim.stepping import STEPS_AFTER_DIVISION, DividedStep, StepSizes
+from orchestrator.cosim.stepping import STEPS_AFTER_DIVISION, StepSizes, SubdividedStep
 
 LARGEST, SMALLEST = 0.02, 2e-5
 STEPS = 200
@@ -115,7 +115,7 @@ def test_what_ends_a_step_acts_however_slowly_it_comes():
 
 def test_a_divided_step_becomes_whole_seldom():
     """Steps that are whole and divided in turn pump what is stiff: sizes change once in so many steps at the most."""
-    step, sizes = DividedStep(), []
+    step, sizes = SubdividedStep(), []
     for _ in range(200):
         while step.parts < 4:
             assert step.divide()
@@ -123,8 +123,8 @@ def test_a_divided_step_becomes_whole_seldom():
         sizes.append(step.parts)
     changes = sum(a != b for a, b in pairwise(sizes))
     assert changes <= 2 * len(sizes) / STEPS_AFTER_DIVISION
-    assert any(DividedStep(parts).divide() is False for parts in (512, 1024))
-    whole = DividedStep(2)
+    assert any(SubdividedStep(parts).divide() is False for parts in (512, 1024))
+    whole = SubdividedStep(2)
     for _ in range(STEPS_AFTER_DIVISION):
         whole.stood()
-    assert whole == DividedStep()
+    assert whole == SubdividedStep()

@@ -10,7 +10,7 @@ import pytest
 import orchestrator as fanfold
 from fmus import native_library
 from orchestrator.cosim.settings import Settings
-from orchestrator.results.error_sources.step_ends import judged_peaks
+from orchestrator.results.error_sources.sampling_error import judged_peaks
 from orchestrator.results.estimated_errors import (
     ESTIMATED_ERRORS,
     POINT_PEAKS,
@@ -18,14 +18,14 @@ from orchestrator.results.estimated_errors import (
     beside_their_vector,
     doubts,
     errors_text,
-    errors_told,
     estimated_errors,
+    tabulated_errors,
 )
 from orchestrator.results.key_figures import headline, headline_rows
 from orchestrator.results.result import Result, ResultError
 from orchestrator.results.result_file import with_statistics
-from orchestrator.run import companion
-from orchestrator.run.companion import doubled, halved, with_estimates
+from orchestrator.run import error_estimate as companion
+from orchestrator.run.error_estimate import doubled, halved, with_estimates
 from orchestrator.run.run import RunError, run
 from tests.unit.analysis.sampling.flap import ANGLE, STIFFNESS, flap
 from tests.unit.run.test_verify import smooth_scene
@@ -199,10 +199,10 @@ def test_the_table_has_the_error_that_the_sentence_tells():
     sure, unsure = ("latch time", "L1"), ("interface torque peak", "y")
     errors = {sure: EstimatedError(1e-4, 4e-4), unsure: EstimatedError(2.1e-4, 4.2)}
     numbers = [(sure, 4.0), (unsure, 42.0)]
-    assert errors_told(numbers, errors, 1e-4) == {sure: 1e-4, unsure: 4.2}
+    assert tabulated_errors(numbers, errors, 1e-4) == {sure: 1e-4, unsure: 4.2}
     (sentence,) = doubts(numbers, errors, 1e-4)
     assert "may be off by 0.1 of its largest component" in sentence
-    assert errors_told(numbers, errors, None) == {sure: 1e-4, unsure: 2.1e-4}
+    assert tabulated_errors(numbers, errors, None) == {sure: 1e-4, unsure: 2.1e-4}
 
 
 def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():

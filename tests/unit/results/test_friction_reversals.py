@@ -11,7 +11,7 @@ import pytest
 import orchestrator as fanfold
 from components.contract.roles import INTERFACE_LOAD
 from orchestrator.results.error_sources.friction_reversals import beyond_reversals
-from orchestrator.results.error_sources.step_ends import judged_peaks
+from orchestrator.results.error_sources.sampling_error import judged_peaks
 
 PRESSED, CURVATURE, FRICTION = 50.0, 3000.0, 0.05
 """Torque of a stop where it is pressed in most (N.m), how fast it falls beside that (N.m/s2), friction (N.m)."""

@@ -19,8 +19,8 @@ from orchestrator.results.key_figures import (
     headline_rows,
     line_latch_torque,
 )
-from orchestrator.results.lines.straying import bent
-from orchestrator.results.peaks.search import extremes, peak
+from orchestrator.results.line_travel import bent
+from orchestrator.results.peaks import extremes, peak
 from orchestrator.results.result import Result
 from tests.references import synthetic_result as reference
 from tests.unit.scene.scene_cases import SCENES

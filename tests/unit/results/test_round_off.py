@@ -3,7 +3,7 @@
 import math
 
 from orchestrator.results.estimated_errors import round_off_of_loads
-from orchestrator.results.round_off import NOISE, noise_floor, without_noise
+from orchestrator.results.round_off import NOISE, noise_floor, rounded_to_floor
 
 
 def test_floor_is_a_part_of_the_largest_magnitude():
@@ -12,9 +12,9 @@ def test_floor_is_a_part_of_the_largest_magnitude():
 
 
 def test_round_off_becomes_zero_without_sign():
-    assert without_noise(-1e-7, 1e-6) == 0.0
-    assert without_noise(-2e-6, 1e-6) == -2e-6
-    assert math.copysign(1.0, without_noise(-0.0, 0.0)) == 1.0
+    assert rounded_to_floor(-1e-7, 1e-6) == 0.0
+    assert rounded_to_floor(-2e-6, 1e-6) == -2e-6
+    assert math.copysign(1.0, rounded_to_floor(-0.0, 0.0)) == 1.0
 
 
 def test_loads_below_what_iterations_resolve_are_round_off():

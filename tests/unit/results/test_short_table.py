@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from orchestrator.results.key_figures import headline
-from orchestrator.results.lines.slack import Slack
 from orchestrator.results.result import Result
 from orchestrator.results.short_table import line_rows, rounded, short_rows
+from orchestrator.results.slack_strands import Slack
 from tests.references import synthetic_result as reference
 
 

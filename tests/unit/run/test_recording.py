@@ -13,7 +13,7 @@ from orchestrator.analysis.impact import impacts
 from orchestrator.assembly import HingeLine
 from orchestrator.cli.main import main
 from orchestrator.results.key_figures import headline
-from orchestrator.results.peaks.search import peak
+from orchestrator.results.peaks import peak
 from orchestrator.results.recorder import MemoryRecorder, SignalGroup
 from orchestrator.results.result import Result
 from orchestrator.run.recording import Recording

@@ -12,7 +12,7 @@ from components.contract.frames import rotate
 from orchestrator.scene import SceneError
 from orchestrator.scene.bodies import body_definition, body_model, scene_points
 from orchestrator.scene.body_tables import Body
-from orchestrator.scene.loops.closing import start_poses
+from orchestrator.scene.loops.initial_assembly import start_poses
 
 PANEL = {
     "length": "1.1 m",

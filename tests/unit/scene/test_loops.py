@@ -10,7 +10,7 @@ from components.contract.frames import rotate
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError
 from orchestrator.scene.bodies import scene_points
-from orchestrator.scene.loops.closing import closed, start_poses
+from orchestrator.scene.loops.initial_assembly import closed, start_poses
 from orchestrator.scene.reader import read_scene
 from orchestrator.scene.table import Orientation
 from tests.references.edits import edited

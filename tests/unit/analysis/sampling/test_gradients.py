@@ -76,7 +76,7 @@ def test_errors_of_one_side_are_estimated():
     found = fanfold.gradients(flap(), [MOTOR, INERTIA])
     error = found.errors[found.names.index("latch_time.line")]
     assert error == pytest.approx(0.25 * 5e-6 / np.sqrt(0.5), rel=0.05)
-    assert not found.doubtful
+    assert not found.unreliable
     assert not found.warning
 
 
@@ -129,9 +129,9 @@ def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
 
     monkeypatch.setattr("orchestrator.analysis.sampling.gradients.headline", scattered)
     found = fanfold.gradients(flap(), [MOTOR, INERTIA])
-    assert found.doubtful == ("latch_time.line",)
+    assert found.unreliable == ("latch_time.line",)
     assert "nobody vouches for the derivatives of latch_time.line" in found.warning
-    picture = plot_gradients(found, tmp_path / "doubtful.png")
+    picture = plot_gradients(found, tmp_path / "unreliable.png")
     plain = plot_gradients(replace(found, errors=0.0 * found.errors), tmp_path / "plain.png")
     assert picture.read_bytes() != plain.read_bytes()
 
@@ -162,8 +162,8 @@ def test_loads_of_rigid_locks_are_vouched_for_by_nobody():
     scene = fanfold.Scene.of_tree("latching.toml", tree)
     found = fanfold.gradients(scene, ["hinge_line.HL.motor.stowed"])
     assert "rigid bodies lock, whose loads hang on chance" in found.warning
-    assert "latch_impulse.HL" in found.doubtful
-    assert "latch_time.HL" not in found.doubtful
+    assert "latch_impulse.HL" in found.unreliable
+    assert "latch_time.HL" not in found.unreliable
 
 
 def test_a_key_of_zero_and_one_at_its_end():

@@ -4,7 +4,7 @@ import pytest
 
 import orchestrator as fanfold
 from tests.references.native_fmus import needs_native
-from tests.unit.run.limits.test_rails import MASS, PULL, incline
+from tests.unit.run.test_rails import MASS, PULL, incline
 
 FRICTION, BRAKED, AT = 6.0, 25.0, 2.0
 

@@ -128,22 +128,22 @@ SEVEN = {
 }
 
 
-@pytest.mark.parametrize("doubtful", [False, True])
-def test_derivatives_that_nobody_vouches_for_are_not_searched_with(monkeypatch, doubtful):
+@pytest.mark.parametrize("unreliable", [False, True])
+def test_derivatives_that_nobody_vouches_for_are_not_searched_with(monkeypatch, unreliable):
     """Rule: one run with neighbours replaces a run a key, unless it says that its derivatives mean nothing."""
     made = []
 
     def spy(*arguments):
         found = gradients(*arguments)
         made.append(found)
-        return replace(found, errors=np.ones_like(found.errors)) if doubtful else found
+        return replace(found, errors=np.ones_like(found.errors)) if unreliable else found
 
     monkeypatch.setattr(tuning, "gradients", spy)
     found = fanfold.tune(flap(), SEVEN, {"line.latch_time": 1.75}, accuracy=1e-5, **ROUGH)
     assert found.reached
     assert made
     # 1 + 0.6 (7 + 1), rounded up, for every set of derivatives, and one run a key where these are worth nothing
-    evaluations = found.runs - len(made) * (6 + doubtful * len(SEVEN))
+    evaluations = found.runs - len(made) * (6 + unreliable * len(SEVEN))
     assert 2 <= evaluations <= 12
     # regression: rounding in differences sent it to 1.84, and the search with it, for 82 runs in place of 46
     assert found.values["hinge_line.line.latch.stiffness*"] == pytest.approx(1.0, abs=1e-9)

@@ -10,7 +10,8 @@ from click.testing import CliRunner
 
 import orchestrator as fanfold
 from components import REGISTRY
-from orchestrator.api.handbook import build, face
+from orchestrator.api.handbook import build
+from orchestrator.api.handbook import python_face as face
 from orchestrator.api.handbook.equations import EQUATIONS, SOURCES
 from orchestrator.api.handbook.mathml import mathml
 from orchestrator.api.handbook.python_page import python_page

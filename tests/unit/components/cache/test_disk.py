@@ -83,7 +83,7 @@ def test_empty_content_is_content():
 
 def test_folder_that_cannot_be_written(place, tmp_path):
     """Bookkeeping: a folder of the user's own among temporary files takes its place, closed to others, and is told."""
-    assert disk.place_sentence() == ""
+    assert disk.unwritable_cache() == ""
     place.rmdir()
     place.write_text("a file, not a folder")
     build = Build()
@@ -91,7 +91,7 @@ def test_folder_that_cannot_be_written(place, tmp_path):
     assert build.times == 1
     (own,) = (tmp_path / "tmp").iterdir()
     assert (disk.written_folder(), own.stat().st_mode & 0o777) == (own, 0o700)
-    told = disk.place_sentence()
+    told = disk.unwritable_cache()
     assert told.startswith(f"the cache {place} cannot be written to, so {own} takes its place; FANFOLD_CACHE")
 
 
@@ -110,7 +110,7 @@ def test_what_others_could_have_written_is_not_read(place, tmp_path, trap):
         own.symlink_to(tmp_path / "elsewhere") if trap == "link" else own.write_text("")
     assert disk.kept("a", KEY, build) == b"bytes"
     assert (build.times, disk.written_folder()) == (2, None)
-    assert "everything is computed every time" in disk.place_sentence()
+    assert "everything is computed every time" in disk.unwritable_cache()
 
 
 def test_growth_is_bounded(place, monkeypatch):

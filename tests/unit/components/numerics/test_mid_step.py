@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from components.numerics.mid_step import MidStep, MidStepSlope, StepMean, between, extrapolated
+from components.numerics.interval_mean import MidStep, MidStepSlope, StepMean, between, extrapolated
 from components.numerics.scheme import INSTANT
 
 SIZES = [(0.1, 0.1), (0.05, 0.2), (0.3, 0.01)]

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from components.numerics.fourth_order_correction import workless_spring
 from components.numerics.presliding import instant_force, step_force
 from components.numerics.stiff_coordinate import Memory, StepMotion
-from components.numerics.workless_pair import workless_spring
 
 NUMBER = st.floats(0.0, 1.0)
 SIGNED = st.floats(-1.0, 1.0)

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from components.numerics.fourth_order_correction import remembered_path, workless_law, workless_spring
 from components.numerics.laws import Linear, SlackSpring, Table
 from components.numerics.stiff_coordinate import Memory, StepMotion
-from components.numerics.workless_pair import remembered_path, workless_law, workless_spring
 
 LAWS = {
     "linear": Linear(300.0, 0.02),

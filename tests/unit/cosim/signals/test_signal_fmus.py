@@ -12,11 +12,11 @@ from components import REGISTRY
 from components.drive import MotionLaw
 from fmus import build_fmu
 from orchestrator.assembly import SignalFmu
-from orchestrator.assembly.doubts.plausibility import doubts
 from orchestrator.cosim.compiled_master import CompiledMaster
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.signals.process import DiscardedStepError, SignalProcess
+from orchestrator.validity.before_run import doubts
 from tests.references.native_fmus import needs_native
 from tests.unit.cosim.signals.signal_cases import INERTIA, STEP, controlled, slave, spacecraft
 

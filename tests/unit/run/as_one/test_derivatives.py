@@ -19,7 +19,7 @@ WIDTH = 1e-4
 ASKED, MET = 1e-6, 1e-11
 """Of derivatives; angle (rad) to which a latch-up is met, which stays in what a host makes differences of."""
 TORQUE, ENERGY = "root.motor_constant_torque", "stored_energy"
-TOLD = [ENERGY, "root.angle", "HL.latch_time", "HL.latch_torque_peak"]
+MESSAGES = [ENERGY, "root.angle", "HL.latch_time", "HL.latch_torque_peak"]
 
 
 @pytest.fixture(scope="module")
@@ -64,8 +64,8 @@ def stepped(path, time, step):
 @pytest.mark.parametrize("known", [TORQUE, "root.latch_stiffness"])
 def test_by_parameters_through_latch_up(path, known):
     """What changes at the communication point before latch-up: when that comes and how hard it is."""
-    found = derivatives(stepped(path, 0.9, 0.1), TOLD, known)
-    expected, met = differences(path, 0.9, 0.1, TOLD, known)
+    found = derivatives(stepped(path, 0.9, 0.1), MESSAGES, known)
+    expected, met = differences(path, 0.9, 0.1, MESSAGES, known)
     np.testing.assert_allclose(found, expected, rtol=ASKED, atol=met)
     assert found[3] > 0.0
     assert (found[2] < 0.0) == (known == TORQUE)
@@ -74,8 +74,8 @@ def test_by_parameters_through_latch_up(path, known):
 @pytest.mark.parametrize("known", ["base.acceleration[3]", "base.angular_velocity[2]"])
 def test_by_the_drive_of_the_base(path, known):
     for time, step in ((0.5, 0.1), (0.9, 0.1)):
-        found = derivatives(stepped(path, time, step), TOLD, known)
-        expected, met = differences(path, time, step, TOLD, known)
+        found = derivatives(stepped(path, time, step), MESSAGES, known)
+        expected, met = differences(path, time, step, MESSAGES, known)
         np.testing.assert_allclose(found, expected, rtol=ASKED, atol=met)
         assert abs(found[0]) > 0.0
 
@@ -90,7 +90,7 @@ def test_a_motor_that_becomes_stronger_has_less_energy_left(path):
 
 def test_asking_changes_nothing(path):
     asked, plain = stepped(path, 0.85, 0.05), stepped(path, 0.85, 0.05)
-    derivatives(asked, TOLD, TORQUE)
+    derivatives(asked, MESSAGES, TORQUE)
     for host in (asked, plain):
         host.time = 0.9
         host.to(1.2, 0.05)
@@ -101,9 +101,9 @@ def test_asking_changes_nothing(path):
 def test_what_does_not_act_over_the_step_has_none(path):
     """Commands act by a threshold; what is read at a communication point depends on no input there."""
     host = stepped(path, 0.3, 0.01)
-    assert not derivatives(host, TOLD, "HL.latch_command").any()
+    assert not derivatives(host, MESSAGES, "HL.latch_command").any()
     host.fmu.setFMUstate(host.fmu.getFMUstate())
-    assert not derivatives(host, TOLD, "base.acceleration[3]").any()
+    assert not derivatives(host, MESSAGES, "base.acceleration[3]").any()
 
 
 def test_at_the_bound_of_a_range(path):
@@ -144,7 +144,7 @@ def test_a_step_that_ends_at_latch_up_has_none(path):
     host = Host(path).start()
     host.fmu.doStep(0.0, time)
     with pytest.raises(FMICallException):
-        derivatives(host, TOLD, TORQUE)
+        derivatives(host, MESSAGES, TORQUE)
 
 
 def test_both_versions_of_fmi_give_and_declare_them(path, tmp_path):
@@ -152,9 +152,9 @@ def test_both_versions_of_fmi_give_and_declare_them(path, tmp_path):
     host, expected = Host3(newer, events=False, early=False), stepped(path, 0.3, 0.01)
     for _ in range(31):
         host.step(0.01)
-    references = [host.reference(name) for name in TOLD]
+    references = [host.reference(name) for name in MESSAGES]
     found = host.fmu.getDirectionalDerivative(references, [host.reference(TORQUE)], [1.0])
     rounding = 4.0 * np.finfo(float).eps / (8.0 * WIDTH)
-    np.testing.assert_allclose(found, derivatives(expected, TOLD, TORQUE), rtol=1e-9, atol=rounding)
+    np.testing.assert_allclose(found, derivatives(expected, MESSAGES, TORQUE), rtol=1e-9, atol=rounding)
     assert b' providesDirectionalDerivatives="true"' in described(newer)
     assert b' providesDirectionalDerivative="true"' in described(path)

@@ -153,7 +153,7 @@ def locked(wing):
     )
 
 
-TOLD = {
+MESSAGES = {
     "held over a step, which is unstable where it is heavy": lambda wing: mounted(wing, "5 ms"),
     "without which its base lags": lambda wing: changed(wing, parameters={}),
     "which lack the impulses of kinematic latches": lambda wing: changed(
@@ -163,10 +163,10 @@ TOLD = {
 }
 
 
-@pytest.mark.parametrize("words", TOLD)
+@pytest.mark.parametrize("words", MESSAGES)
 def test_what_a_wing_does_not_get_is_told(wing, words):
     with pytest.warns(fanfold.FanfoldWarning, match=words):
-        fanfold.simulate(TOLD[words](wing), until=0.02, estimate=False)
+        fanfold.simulate(MESSAGES[words](wing), until=0.02, estimate=False)
 
 
 def test_a_fixed_step_beside_an_iterated_wing_is_refused(wing):

@@ -1,1 +1,0 @@
-"""Sentences on what is hardly meant, a module for each part of a scene."""

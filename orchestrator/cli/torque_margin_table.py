@@ -1,0 +1,153 @@
+"""What the torque margin and the restarts come to, as tables and sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from rich.table import Table
+
+from ..analysis.torque_margin.margins import TorqueMargin
+from ..analysis.torque_margin.restart import CaseRestart, Restart
+from ..analysis.torque_margin.rules import LIMIT, RULE_TEXTS, Found, Margins
+from ..results.round_off import noise_floor
+from ..scene.units import degrees_text
+from .tables import plain_table
+
+
+def margin_table(found: TorqueMargin) -> Table:
+    """Every line, case and rule at its worst angle, in the order of the scene's lines."""
+    table = plain_table(
+        f"torque margin at the worst angle, limit {LIMIT:g}\n{found.factors} factors, {found.friction} friction"
+    )
+    for name in ("line", "case", "rule"):
+        table.add_column(name)
+    for name in ("margin", "at,\ndeg", "driving,\nN.m", "resisting,\nN.m"):
+        table.add_column(name, justify="right", min_width=5)
+    table.add_column("verdict")
+    table.caption = "\n".join(f"{rule} rule: {text}" for rule, text in RULE_TEXTS.items())
+    table.caption_justify = "left"
+    lines = list(dict.fromkeys(one.line for one in found.lines))
+    for one in sorted(found.lines, key=lambda one: lines.index(one.line)):
+        for rule in one.margins:
+            table.add_row(one.line, one.case, rule.rule, *_margin_cells(one, rule))
+    return table
+
+
+def _margin_cells(found: Found, rule: Margins) -> tuple[str, ...]:
+    """Margin, angle, driving and resisting torque, and the verdict; no margin and no angle where nothing resists."""
+    k = rule.worst
+    is_finite = bool(np.isfinite(rule.margin[k]))
+    numbers = (f"{rule.margin[k]:.3f}", degrees_text(found.torques.angle[k], 1)) if is_finite else ("-", "-")
+    return (
+        *numbers,
+        f"{rule.available[k]:.4f}",
+        f"{rule.resisting[k]:.4f}",
+        _margin_verdict(found, rule, is_finite),
+    )
+
+
+def _margin_verdict(found: Found, rule: Margins, is_finite: bool) -> str:
+    if not found.counts:
+        return "in the group"
+    if is_finite:
+        return "passes" if rule.passes else "FAILS"
+    return "no resisting torque" if rule.passes else "FAILS by TD and TL"
+
+
+def margin_sentences(found: TorqueMargin) -> list[str]:
+    """What the table does not tell: which lines are coupled, which have no margin, and what is not counted."""
+    groups = {one.line: one.torques.rates for one in found.lines if len(one.torques.rates) > 1}
+    coupled = [
+        f"{line}: cable loops turn these lines together, at rates {' : '.join(f'{r:.4g}' for r in rates.values())}; "
+        f"their verdict is that of the group, whose torques are at the rate of {next(iter(rates))}"
+        for line, rates in groups.items()
+    ]
+    left_out = [f"not counted: {name}; {why}" for name, why in found.uncounted.items()]
+    return [*coupled, *_held_at(found), *sentences_without_margin(found.without), *left_out]
+
+
+def _held_at(found: TorqueMargin) -> Iterator[str]:
+    """Where lines, coupled ones together, do not start from rest, by torques as they are."""
+    for one in found.lines:
+        net = one.torques.net
+        short = np.flatnonzero(net < -noise_floor(one.torques.driving.tolist()))
+        if one.counts and short.size:
+            k = int(short[0])
+            yield (
+                f"{one.line} ({one.case}): at {degrees_text(one.torques.angle[k], 1)} deg friction and harness exceed "
+                f"what drives by {-net[k]:.4g} N.m even without factors, so nothing starts there from rest"
+            )
+
+
+def sentences_without_margin(cases: Mapping[str, Mapping[str, str]]) -> list[str]:
+    """A sentence for each reason, from reasons by case and line; cases are named where they differ."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for case, reasons in cases.items():
+        for line, reason in reasons.items():
+            found.setdefault(reason, {}).setdefault(line, []).append(case)
+    sentences = []
+    for reason, lines in found.items():
+        names = [
+            line if len(among) == len(cases) else f"{line} ({', '.join(among)})"
+            for line, among in lines.items()
+        ]
+        verb, whose = ("has", "its") if len(names) == 1 else ("have", "their")
+        sentences.append(f"{', '.join(names)} {verb} no margin of {whose} own: {reason}")
+    return sentences
+
+
+def restart_table(runs: Sequence[CaseRestart]) -> Table:
+    """Every line of every restart."""
+    table = plain_table("restarts from rest")
+    for name in ("case", "stopped\nat", "line"):
+        table.add_column(name)
+    for name in ("start,\ndeg", "end,\ndeg", "fastest,\ndeg/s", "opened\nafter, s"):
+        table.add_column(name, justify="right", min_width=6)
+    table.add_column("verdict")
+    for run in runs:
+        for line in run.lines:
+            after = "-" if line.opened_at is None else f"{line.opened_at:.4f}"
+            start, end = degrees_text(line.start, 2), degrees_text(line.end, 2)
+            fastest = f"{np.rad2deg(line.fastest):.3g}"
+            table.add_row(run.case, run.position, line.line, start, end, fastest, after, _verdict(line))
+    return table
+
+
+def _verdict(line: Restart) -> str:
+    if line.opens:
+        return "opens" if line.net >= 0.0 else "opens, HELD AT REST"
+    if line.still_opening:
+        return "NOT OPEN YET"
+    return "stops, DOES NOT OPEN" if line.moves else "DOES NOT MOVE"
+
+
+def restart_sentences(runs: Sequence[CaseRestart]) -> list[str]:
+    """What restarts say beside margins, and why lines do not start, or that they should not have."""
+    if not runs:
+        return []
+    sentences = [
+        f"restarts take every torque as it is; margins take uncertainty factors and the limit {LIMIT:g}, so what fails "
+        "by its margin may open"
+    ]
+    for run in runs:
+        for net in dict.fromkeys(line.net for line in run.lines if line.net < 0.0):
+            lines = [line for line in run.lines if line.net == net]
+            sentences.append(
+                f"{', '.join(line.line for line in lines)} ({run.case}) {_held(run.position, lines)}"
+            )
+    return sentences
+
+
+def _held(position: str, lines: Sequence[Restart]) -> str:
+    """Why lines that turn together cannot start from a position, and what turned them all the same."""
+    it, alone = ("they", "by themselves") if len(lines) > 1 else ("it", "by itself")
+    turned = ""
+    if any(line.opens or line.still_opening for line in lines):
+        turned = "creep of smooth friction, or the work of what is in no margin, such as gravity or loads"
+    elif any(line.moves for line in lines):
+        turned = "the blow of the motor's torque, which acts all at once at the start"
+    return (
+        f"from {position}: static friction and harness exceed what drives by {-lines[0].net:.4g} N.m, so {it} cannot "
+        f"start {alone}{f'; that {it} turned is {turned}' if turned else ''}"
+    )

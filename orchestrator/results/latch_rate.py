@@ -1,0 +1,60 @@
+"""Rates at which hinge lines meet their latches, and the kinetic energy that a latch takes up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from components import KINETIC_ENERGY
+from components.contract.component import Vector
+
+from .result import Result
+from .signal import EVENT_WIDTH
+
+
+def latch_rates(result: Result, times: Mapping[str, float]) -> dict[str, float]:
+    """Sizes of the rates (rad/s) of lines just before they latch, at these times (s), of the hinge that senses it."""
+    return {
+        line.name: abs(
+            float(result.signal(line.sensor, "angular_rate")[row_before(result, times[line.name])])
+        )
+        for line in result.hinge_lines
+        if line.name in times and result.has(line.sensor, "angular_rate")
+    }
+
+
+def latch_energies(
+    result: Result, times: Mapping[str, float], rates: Mapping[str, float], impulses: Mapping[str, float]
+) -> dict[str, float]:
+    """Kinetic energies (J) that latches take up, by latch times (s) and rates (rad/s) just before.
+
+    Of a lock between rigid bodies: half of its impulse (N.m.s) times the rate, which it removes. Of other latches:
+    J rate^2 / 2 with the effective inertia J (kg.m2) that damps the latch, which counts lines further out as latched and
+    lines nearer the base as free. It is no more than all bodies have, as a line may vibrate faster than the wing turns.
+    Lines of results without a record of J are left out.
+    """
+    moving: Vector = sum(
+        (
+            result.signal(name, KINETIC_ENERGY.name)
+            for name in result.recording(KINETIC_ENERGY.name)
+            if name != "scene"
+        ),
+        np.zeros(result.time.size),
+    )
+    found = {}
+    for line in result.hinge_lines:
+        if line.name not in rates:
+            continue
+        rate = rates[line.name]
+        if line.name in impulses:
+            found[line.name] = 0.5 * impulses[line.name] * rate
+        elif line.inertia is not None:
+            most = float(moving[row_before(result, times[line.name])])
+            found[line.name] = min(0.5 * line.inertia * rate**2, most)
+    return found
+
+
+def row_before(result: Result, latched: float) -> int:
+    """The row just before a latch-up (s): the first one of its instant."""
+    return min(int(np.searchsorted(result.time, latched - EVENT_WIDTH)), result.time.size - 1)

@@ -1,1 +1,0 @@
-"""Peaks of sampled signals, between their samples."""

@@ -1,1 +1,0 @@
-"""Where a run went beyond what its models are made for."""

@@ -1,1 +1,0 @@
-"""What happens in mid-run, as a scene file says it."""

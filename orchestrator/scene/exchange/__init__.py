@@ -1,1 +1,0 @@
-"""Scenes in files of other formats than their own."""

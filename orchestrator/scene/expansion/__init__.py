@@ -1,1 +1,0 @@
-"""What a scene's tree is short for: arrays of like parts, joints by their name; before it is read."""

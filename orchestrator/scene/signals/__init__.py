@@ -1,1 +1,0 @@
-"""FMUs that have signals instead of ports, as a scene file says it."""

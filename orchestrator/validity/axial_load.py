@@ -1,0 +1,95 @@
+"""Beams whose modes are of first order, pressed by their joints so far that they would bend out, or nearly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from components.contract.frames import rotated
+from components.hinge import Hinge
+from components.moving_base import MovingBase
+
+from ..assembly import Assembly, Part
+from ..assembly.fidelities import has_beam
+from ..results.result import Result
+from ..scene import CheckedScene
+from ..scene.bodies import body_definition
+from .holding_points import holding_points
+
+_TOLD = 0.02
+"""Of Euler's load: it takes so much of the stiffness against bending, which modes of first order keep, and half of that
+of latch torques."""
+Rows = NDArray[np.float64]
+
+
+def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+    """A sentence for each modal beam of first order that a joint pressed by 2 % of Euler's load, or more."""
+    beams = [body for body in scene.bodies if not body.second_order_modes and has_beam(body)]
+    parts = {part.name: part for part in assembly.parts}
+    for body in beams:
+        held = dict(holding_points(parts[body.name], assembly)) if body.name in assembly.flexible else {}
+        if len(held) < 2:
+            continue
+        beam, places = body_definition(body).beam, _places(parts[body.name])
+        assert beam is not None
+        points = np.array([places[point] for point in sorted(held.values())])
+        span = float(np.linalg.norm(points[:, None] - points, axis=2).max())
+        critical = np.pi**2 * min(beam.section.bending_y, beam.section.bending_z) / max(span, 1e-9) ** 2
+        pressed = {
+            joint: _pressed(assembly, parts, joint, body.name, places[point], points.mean(0), result)
+            for joint, point in held.items()
+            if parts[joint].kind == Hinge.kind and result.has(joint, "hinge_force")
+        }
+        joint = max(pressed, key=lambda name: float(pressed[name].max(initial=0.0)), default="")
+        if not joint or not pressed[joint].max() > _TOLD * critical:
+            continue
+        row = int(pressed[joint].argmax())
+        most = float(pressed[joint][row])
+        yield (
+            f"{body.name}: {joint} presses it by {most:.4g} N along it, at {result.time[row]:.4g} s, "
+            f"{most / critical:.2g} of Euler's load between pinned ends ({critical:.4g} N), which takes as much of its "
+            "stiffness; its modes are of first order and keep all of it; give it second_order_modes"
+        )
+
+
+def _places(part: Part) -> dict[str, Rows]:
+    """Points (3,) of a modal body by name, its construction frame."""
+    modal = part.structure["modal"]
+    return dict(zip(modal["point_names"], np.asarray(modal["point_positions"]), strict=True))
+
+
+def _pressed(
+    assembly: Assembly,
+    parts: dict[str, Part],
+    joint: str,
+    body: str,
+    place: Rows,
+    middle: Rows,
+    result: Result,
+) -> Rows:
+    """Forces (rows,) of a joint on a body, from where it is (3,) towards the middle of what holds the body (3,).
+
+    Zeros on a ground that moves, whose attitude no result has.
+    """
+    sides = {link.connection[1]: link.body for link in assembly.links if link.connection[0] == joint}
+    inboard, force = parts[sides["inboard"][0]], np.asarray(result.signal(joint, "hinge_force"))
+    if inboard.kind == MovingBase.kind:
+        return np.zeros(len(force))
+    port = next(one for one in inboard.structure["ports"] if one["name"] == sides["inboard"][1])
+    turn = np.broadcast_to(
+        np.array(port.get("orientation", (1.0, 0.0, 0.0, 0.0)), dtype=float), (len(force), 4)
+    )
+    in_world = rotated(_orientation(inboard.name, result), rotated(turn, force))
+    along = (middle - place) / max(float(np.linalg.norm(middle - place)), 1e-9)
+    axis = rotated(_orientation(body, result), np.broadcast_to(along, force.shape))
+    on_body: Rows = np.sum(in_world * axis, axis=1) * (1.0 if sides["outboard"][0] == body else -1.0)
+    return on_body
+
+
+def _orientation(body: str, result: Result) -> Rows:
+    """Quaternions (rows, 4) of a body; those of no turn for a ground."""
+    if result.has(body, "frame_orientation"):
+        return np.asarray(result.signal(body, "frame_orientation")).reshape(-1, 4)
+    return np.tile((1.0, 0.0, 0.0, 0.0), (result.time.size, 1))

@@ -1,0 +1,99 @@
+"""What cable loops say that is hardly meant: radii and axes that do not fit the lines between their pulleys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees
+from typing import NamedTuple
+
+from components.contract.frames import Vector3, cross, dot, norm
+
+from ..messages import coded
+from ..scene.connection_tables import Ccl
+from ..scene.loops.coupled_lines import body_between
+from ..scene.schema import CheckedScene
+
+_STIFFEST = 1e8
+"""N/m, of five square centimetres of steel along a metre."""
+_ASKEW = 1e-3
+"""Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
+
+
+def loop_warnings(scene: CheckedScene) -> Iterator[str]:
+    """Sentences with their keys."""
+    yield from coded("W-loop-data", _unlike_travels(scene))
+    yield from coded("W-loop-data", _askew_loops(scene))
+    yield from coded("W-loop-data", _stiffest(scene))
+
+
+def _stiffest(scene: CheckedScene) -> Iterator[str]:
+    """Strands that no cable is as stiff as; steps follow what rings on them."""
+    for loop in scene.loops:
+        if loop.strand_stiffness > _STIFFEST:
+            yield (
+                f"ccl.{loop.name}.strand_stiffness: is {loop.strand_stiffness:g} N/m, and a metre of 1 cm2 of steel "
+                "has 2e7 N/m; check the unit, as steps follow what rings on it"
+            )
+
+
+class Travels(NamedTuple):
+    """Turns (rad) of both pulleys of a loop against the body between them, from the start until all is deployed."""
+
+    first: float
+    second: float
+
+    def mismatch(self, loop: Ccl) -> float:
+        """Cable (m) that one pulley takes up and the other does not give."""
+        return abs(loop.pulley_1.radius * self.first - loop.pulley_2.radius * self.second)
+
+
+def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
+    """The travels that a loop joins; None where no single body is between its pulleys."""
+    bodies = loop.pulley_1.body, loop.pulley_2.body
+    carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
+    if carrier is None:
+        return None
+    first, second, middle = (_turn(scene, body, loop.axis) for body in (*bodies, carrier))
+    return Travels(first - middle, second - middle)
+
+
+def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
+    """Turn (rad) of a body about an axis from the start until all lines are deployed."""
+    lines = [line for line in scene.lines_inward(body) if not line.held]
+    return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
+
+
+def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
+    """Loops whose radii do not fit the travels they join, so that a strand goes slack on the way."""
+    for loop in scene.loops:
+        travels = loop_travels(scene, loop)
+        if travels is None or travels.mismatch(loop) * loop.strand_stiffness <= loop.preload:
+            continue
+        first, second = (abs(degrees(turn)) for turn in travels)
+        r1, r2, left = 1e3 * loop.pulley_1.radius, 1e3 * loop.pulley_2.radius, travels.mismatch(loop)
+        fit = f"; the radii would fit as {second:g} to {first:g}" if first and second else ""
+        if travels.first * travels.second < 0.0:
+            fit = "; they turn in opposite senses against the body between them: check the axes of the lines"
+        yield (
+            f"ccl.{loop.name}: its pulleys do not fit the travels that they join: {r1:g} mm by {first:g} deg against "
+            f"{r2:g} mm by {second:g} deg, which stretches a strand by up to {1e3 * left:.3g} mm, "
+            f"{left * loop.strand_stiffness:.3g} N beside its preload of {loop.preload:g} N{fit}"
+        )
+
+
+def _askew_loops(scene: CheckedScene) -> Iterator[str]:
+    """Cable loops whose pulleys turn about another axis than the lines between them."""
+    for loop in scene.loops:
+        ways = [list(scene.lines_inward(pulley.body)) for pulley in (loop.pulley_1, loop.pulley_2)]
+        between = [line for way, other in (ways, ways[::-1]) for line in way if line not in other]
+        askew = [line for line in between if norm(cross(loop.axis, line.axis)) > _ASKEW]
+        if askew:
+            yield (
+                f"ccl.{loop.name}.axis: its pulleys turn about {_plain(loop.axis)}, and {askew[0].name} opens about "
+                f"{_plain(askew[0].axis)}; a loop leads what its lines do where its axis is theirs"
+            )
+
+
+def _plain(axis: Vector3) -> str:
+    """As people write it."""
+    return "(" + ", ".join(f"{x:.4g}" for x in axis) + ")"

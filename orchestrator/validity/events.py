@@ -1,0 +1,81 @@
+"""Events of a scene that have not happened in a run, or did nothing when they did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import degrees
+
+import numpy as np
+
+from ..assembly import Assembly, Event
+from ..results.key_figures import latch_times, shown
+from ..results.result import Result
+from ..results.signal import EVENT_WIDTH
+
+_LATCH_ANGLE = "latch_angle"
+
+
+def event_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
+    """A sentence each: why an event has not happened, or that what it acts on had latched or was released before."""
+    happened = {name: time for time, name, _ in result.events}
+    latched = latch_times(result)
+    for event in assembly.events:
+        if event.name in happened:
+            yield from _without_effect(event, happened[event.name], latched)
+            yield from _latches_left_behind(assembly, event, happened[event.name], latched, result)
+        else:
+            yield _absent(event, result)
+
+
+def _absent(event: Event, result: Result) -> str:
+    """That it has not happened, and how far its condition was from holding."""
+    if (condition := event.condition) is None:
+        return f"event {event.name} has not happened: it comes at {event.time:g} s, when the run has ended"
+    values = result.signal(condition.part, condition.variable).reshape(result.time.size, -1)
+    variable = f"{condition.part}.{condition.variable}"
+    unit, size = shown(result.unit(condition.part, condition.variable))
+    seen = size * values[:, condition.index]
+    return (
+        f"event {event.name} has not happened: it waits for {variable} {'above' if condition.rising else 'below'} "
+        f"{size * condition.value:.6g} {unit}, which goes from {seen.min():.6g} to {seen.max():.6g} {unit}"
+    )
+
+
+def _without_effect(event: Event, at: float, latched: Mapping[str, float]) -> Iterator[str]:
+    """Lines that an event at a time (s) was to latch and could not, by when lines latched (s)."""
+    for line in event.latches:
+        if line not in latched:
+            yield f"event {event.name}: {line} was not latched, as its hinges had been released"
+        elif latched[line] < at - EVENT_WIDTH:
+            yield f"event {event.name}: {line} had latched at {latched[line]:.6g} s already, so it was not latched then"
+
+
+def _latches_left_behind(
+    assembly: Assembly, event: Event, at: float, latched: Mapping[str, float], result: Result
+) -> Iterator[str]:
+    """Lines whose latch angle an event at a time (s) set when they had latched (s), or to where they had been."""
+    angles = {
+        one.part: one.value
+        for one in event.settings
+        if one.parameter == _LATCH_ANGLE and isinstance(one.value, float)
+    }
+    for line in assembly.hinge_lines:
+        angle = angles.get(line.sensor)
+        if angle is None:
+            continue
+        if latched.get(line.name, at) < at - EVENT_WIDTH:
+            yield (
+                f"event {event.name}: {line.name} had latched at {latched[line.name]:.6g} s, where it stays; "
+                f"{_LATCH_ANGLE} says where a latch engages, which does nothing afterwards"
+            )
+        elif line.name not in latched and angle < (now := _angle_at(result, line.sensor, at)):
+            yield (
+                f"event {event.name}: {line.name} was at {degrees(now):.2f} deg, beyond the {_LATCH_ANGLE} of "
+                f"{degrees(angle):.2f} deg that it got then, where it would only latch after coming back; "
+                "latch_command = 1 latches it where it stands"
+            )
+
+
+def _angle_at(result: Result, hinge: str, at: float) -> float:
+    """Angle (rad) of a hinge at a time (s)."""
+    return float(np.interp(at, result.time, result.signal(hinge, "angle")))

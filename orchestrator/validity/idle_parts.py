@@ -1,0 +1,52 @@
+"""Parts of a scene that would do nothing, or only when the run has ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from components.hold_down import HoldDown
+
+from ..messages import coded
+from ..scene.component_connections import first_number
+from ..scene.schema import CheckedScene
+
+
+def idle_part_warnings(scene: CheckedScene) -> Iterator[str]:
+    """Sentences with their keys."""
+    yield from coded("W-idle-load", _without_load(scene))
+    yield from coded("W-fmu-step", _never_stepped(scene))
+    yield from coded("W-idle-load", _released_too_late(scene))
+
+
+def _without_load(scene: CheckedScene) -> Iterator[str]:
+    """Loads that have no law, and that nothing sets in mid-run."""
+    outputs = [target for fmu in scene.fmus for name in fmu.outputs for target in fmu.targets(name)]
+    driven = {target.partition(".")[0] for target in outputs}.union(*(event.set for event in scene.events))
+    for one in scene.connections:
+        is_empty = not any((one.structure.get("force"), one.structure.get("torque"), one.parameters))
+        if one.kind == "load" and is_empty and one.name not in driven:
+            yield (
+                f"connection.{one.name}: it has neither a force nor a torque, and no event or FMU sets added_force or "
+                "added_torque, so it does nothing"
+            )
+
+
+def _never_stepped(scene: CheckedScene) -> Iterator[str]:
+    """FMUs with signals whose first step would end after the run does."""
+    for one in scene.fmus:
+        if one.step is not None and one.step > scene.header.until:
+            yield (
+                f"fmu.{one.name}: its step of {one.step:g} s is longer than the run of {scene.header.until:g} s, so it "
+                "never makes one"
+            )
+
+
+def _released_too_late(scene: CheckedScene) -> Iterator[str]:
+    """Hold-downs that would let go after the run has ended."""
+    for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
+        release = first_number(bolt, "release_time")
+        if release > scene.header.until:
+            yield (
+                f"connection.{bolt.name}: its release_time of {release:g} s comes after the run has ended, at "
+                f"{scene.header.until:g} s"
+            )

@@ -1,0 +1,255 @@
+"""What hinge lines say that is hardly meant: what opens them, resists them and ends their motion."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from math import degrees, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from components.contract.component import Vector
+from components.end_stop import EndStop
+from components.numerics.laws import Linear
+
+from ..assembly.hinges import contradicted_curves
+from ..messages import coded
+from ..scene.bodies import scene_points
+from ..scene.connection_tables import Connection
+from ..scene.hinge_line_tables import HingeLine
+from ..scene.loops.coupled_lines import CoupledLines, coupled_lines
+from ..scene.schema import CheckedScene
+from .bodies import panel_of
+
+_ANGLES = 181
+"""Places on a line's way that are looked at."""
+_NOTHING = 1e-9
+"""Of a motor's largest torque: rounding where it gives none."""
+_TURNED = 0.2
+"""rad; places are written to a few degrees, and loops close from there; tables may end as early."""
+_FLAT = 1e-3
+"""rad; how far from half a turn two panels are still folded onto each other."""
+_OVERDAMPED = 2.0
+"""Damping ratio beyond which no latch is meant to brake."""
+_GIVES_WAY = pi / 6.0
+"""rad, further into which a motor does not press what is to stop it."""
+_FAR = 0.05
+"""rad, beyond which nothing that sticks gives way."""
+_ROUGHEST = 2.0
+"""Coefficient of friction, of clean metals in vacuum."""
+
+
+def line_warnings(scene: CheckedScene) -> Iterator[str]:
+    """Sentences with their keys."""
+    yield from coded("W-no-end", _unstopped(scene))
+    yield from coded("W-friction-data", _unlikely_friction(scene))
+    yield from coded("W-motor-short", _held_by_friction(scene))
+    yield from coded("W-table-range", _beyond_tables(scene))
+    yield from coded("W-overlap", _through_one_another(scene))
+    yield from coded("W-stop-before-latch", _stopped_before_latch(scene))
+    yield from coded("W-end-data", _unlikely_ends(scene))
+    yield from coded("W-latch-inertia", _damped_by_few(scene))
+    yield from coded("W-latch-curve", contradicted_curves(scene))
+    yield from coded("W-free-slide", _free_along_the_line(scene))
+
+
+def _unstopped(scene: CheckedScene) -> Iterator[str]:
+    """Lines that a motor opens and nothing ends, nor a stop that is a connection between their bodies."""
+    stopped = [
+        {seat.body for seat in one.ports.values()} for one in scene.connections if one.kind == EndStop.kind
+    ]
+    for line in scene.hinge_lines:
+        ends = line.latch is not None or line.end_stop is not None or line.held
+        if line.motor is not None and not ends and {line.inboard, line.outboard} not in stopped:
+            yield (
+                f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
+                f"keeps it at {degrees(line.deployed_angle):g} deg"
+            )
+
+
+def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose end stop lies before their latch, which they do not reach then."""
+    for line in scene.hinge_lines:
+        if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
+            yield (
+                f"hinge_line.{line.name}: its end stop is at {degrees(line.stop_angle):g} deg, before its latch at "
+                f"{degrees(line.deployed_angle):g} deg, which it reaches only as far as it presses the stop in"
+            )
+
+
+def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
+    """Latches that brake like tar, friction that sticks like rubber, end stops that a line's own motor presses in."""
+    for line in scene.hinge_lines:
+        if line.latch is not None and line.latch.damping_ratio > _OVERDAMPED:
+            ratio = line.latch.damping_ratio
+            yield (
+                f"hinge_line.{line.name}.latch.damping_ratio: is {ratio:g}, {ratio:g} times what is critical; "
+                f"'{ratio:g} %' is a hundredth of it"
+            )
+        soft = None if line.presliding is None else line.presliding.stiffness
+        if soft and line.friction_preload > _FAR * soft:
+            wound = line.friction_preload / soft
+            yield (
+                f"hinge_line.{line.name}.presliding.stiffness: is {soft:g} N.m/rad, so soft that "
+                f"the line turns by {degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m "
+                "slides; what sticks gives way by milliradians"
+            )
+        if line.end_stop is not None and line.motor_energy > 0.5 * line.end_stop.stiffness * _GIVES_WAY**2:
+            yield (
+                f"hinge_line.{line.name}.end_stop.stiffness: is {line.end_stop.stiffness:g} N.m/rad, so soft that the "
+                f"{line.motor_energy:.3g} J of the line's motor press it in by more than {degrees(_GIVES_WAY):.0f} deg"
+            )
+
+
+def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
+    """A coefficient that no pin has, and lines whose friction is to stick and that have none."""
+    if scene.friction.coefficient > _ROUGHEST:
+        yield (
+            f"friction.coefficient: is {scene.friction.coefficient:g}, and pins have {_ROUGHEST:g} at the most; "
+            f"'{scene.friction.coefficient:g} %' is a hundredth of it"
+        )
+    for line in scene.hinge_lines:
+        if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
+            yield (
+                f"hinge_line.{line.name}.presliding: there is no friction that could stick; give the line "
+                "friction_preload, or friction.coefficient"
+            )
+
+
+def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
+    """Lines, coupled ones together, whose friction and harness take more than motors give, somewhere on the way."""
+    groups = [group for group in coupled_lines(scene) if not group.drives]
+    motors = [line.name for line in scene.hinge_lines if line.motor is not None and not line.held]
+    for name in motors:
+        if any(name in group.rates for group in groups):
+            continue
+        if (short := _first_short(scene, {name: 1.0})) is not None:
+            yield (
+                f"hinge_line.{name}: at {degrees(short.angle):.4g} deg its motor gives {short.given:.4g} N.m, and its "
+                f"friction and harness take {short.taken:.4g} N.m; unless its speed carries it on or something else "
+                "drives it, it stops there"
+            )
+    for group in groups:
+        if group.rates.keys() & motors and (short := _first_short(scene, group.rates)) is not None:
+            yield _held_together(group, short)
+
+
+def _held_together(group: CoupledLines, short: _Short) -> str:
+    first, *others = group.rates
+    couple = (
+        f"{' and '.join(group.loops)} couple{'s' * (len(group.loops) == 1)} it with {' and '.join(others)}"
+    )
+    rates = " : ".join(f"{rate:.4g}" for rate in group.rates.values())
+    return (
+        f"hinge_line.{first}: {couple}, at rates {rates}; with it at {degrees(short.angle):.4g} deg their motors give "
+        f"{short.given:.4g} N.m in all at its rate, and their friction and harness take {short.taken:.4g} N.m; unless "
+        "their speed carries them on or something else drives them, they stop there"
+    )
+
+
+class _Short(NamedTuple):
+    """Angle (rad) of a line, and what drives and what resists there (N.m), coupled lines at its rate."""
+
+    angle: float
+    given: float
+    taken: float
+
+
+def _first_short(scene: CheckedScene, rates: Mapping[str, float]) -> _Short | None:
+    """The first place at which more resists than drives; rates: of all lines that turn together, over the first's."""
+    lines = {line.name: line for line in scene.hinge_lines}
+    given, taken = np.zeros(_ANGLES), np.zeros(_ANGLES)
+    for name, rate in rates.items():
+        motor, resistance = _torques(lines[name], rate)
+        given, taken = given + motor, taken + resistance
+    short = np.flatnonzero(given < taken - _NOTHING * np.abs(given).max())
+    if not short.size:
+        return None
+    k = int(short[0])
+    return _Short(float(_angles(lines[next(iter(rates))])[k]), float(given[k]), float(taken[k]))
+
+
+def _torques(line: HingeLine, rate: float) -> tuple[Vector, Vector]:
+    """Torque (N.m) of the motor, and that of friction and harness, on the way, at the rate of another line."""
+    angles = _angles(line).tolist()
+    opening = Linear(0.0) if line.harness is None else line.harness.opening_law
+    motor = np.array([line.motor_law.value(angle) for angle in angles])
+    harness = np.array([opening.value(angle) for angle in angles])
+    return rate * motor, abs(rate) * line.friction_preload - rate * harness
+
+
+def _angles(line: HingeLine) -> Vector:
+    """Places (rad) on the way of a line."""
+    return np.linspace(line.initial_angle, max(line.initial_angle, line.deployed_angle), _ANGLES)
+
+
+def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
+    """Lines that go beyond what tables of their motor or harness tell."""
+    for line in scene.hinge_lines:
+        low, high = sorted((line.initial_angle, line.deployed_angle))
+        for name, table in (("motor", line.motor), ("harness", line.harness)):
+            if table is None or not table.angle:
+                continue
+            for end, beyond in (
+                (table.angle[0], low - table.angle[0]),
+                (table.angle[-1], table.angle[-1] - high),
+            ):
+                if beyond < -_TURNED:
+                    yield (
+                        f"hinge_line.{line.name}.{name}: its table ends at {degrees(end):.4g} deg, and the line goes "
+                        f"from {degrees(low):.4g} to {degrees(high):.4g} deg; beyond, the torque goes on by the slope "
+                        "at the end"
+                    )
+
+
+def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
+    """Latches of lines in closed loops, damped by the inertia of what hinge lines alone carry."""
+    if scene.structural_damping is not None:
+        return
+    placed = {body.name for body in scene.bodies if body.place is not None}
+    for line in scene.hinge_lines:
+        latch, carried = line.latch, {b.name for b in scene.bodies if line in scene.lines_inward(b.name)}
+        if latch is None or line.held or latch.effective_inertia is not None or latch.damping_ratio == 0.0:
+            continue
+        joints = (c for c in scene.connections if c.preset is not None)
+        beside = {seat.body for joint in joints if _joins(joint, carried) for seat in joint.ports.values()}
+        if moved := sorted(beside & placed):
+            words = f"{', '.join(moved)} {'move' if len(moved) > 1 else 'moves'} with the line"
+            yield (
+                f"hinge_line.{line.name}.latch.effective_inertia: {words}, and its damping counts what hinge "
+                "lines carry alone; give the inertia of all that moves"
+            )
+
+
+def _joins(joint: Connection, bodies: Collection[str]) -> bool:
+    return any(seat.body in bodies for seat in joint.ports.values())
+
+
+def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose hinges all let their body slide, where nothing else could hold it."""
+    if scene.loops or scene.connections:
+        return
+    for line in scene.hinge_lines:
+        if not line.held and {hinge.kind for hinge in line.hinges} == {"cylindrical"}:
+            yield (
+                f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the line "
+                "freely; make one of them revolute"
+            )
+
+
+def _through_one_another(scene: CheckedScene) -> Iterator[str]:
+    """Panels folded onto each other by a line on those faces of theirs that are not the ones that part as it opens."""
+    points, panels = scene_points(scene), {body.name for body in scene.bodies if panel_of(body) is not None}
+    for line in scene.hinge_lines:
+        folded = abs(line.aligned_angle - line.initial_angle - pi) < _FLAT
+        if line.held or not folded or not {line.inboard, line.outboard} <= panels:
+            continue
+        first = line.hinges[0]
+        apart = points[line.inboard][first.inboard][2] + points[line.outboard][first.outboard][2]
+        if apart * line.axis[1] < 0.0:
+            side = "above" if apart > 0.0 else "below"
+            yield (
+                f"hinge_line.{line.name}: {line.outboard} lies {1e3 * abs(apart):.4g} mm {side} {line.inboard} (along "
+                "its z) and opens to the other side, through it; change the sign of panel.hinge_line_offsets there, or "
+                "of axis"
+            )

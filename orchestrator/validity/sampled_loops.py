@@ -1,0 +1,48 @@
+"""Loops that an FMU of another tool closes from communication point to communication point, unstable by its step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from components.contract.component import Vector
+
+from ..assembly import Assembly
+from ..results.result import Result
+
+_SWINGS, _GROWN = 16, 100.0
+"""Changes of an output in a row, each against the one before and larger, and how many times the first the last of them
+is, from which on they are no ringing of a wing that beats with the steps: of a wing at rest in a loop that grows by
+1.1 a step 40 and 200, of one that rings at nearly half of the sampling rate 11 and 50."""
+
+
+def sampled_loop_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
+    """A sentence for each FMU with an output that swings to and fro from step to step, ever further."""
+    for fmu in assembly.signal_fmus:
+        names = [one.variable for one in fmu.outputs if result.has(fmu.name, one.variable)]
+        growing = [name for name in names if _swings(result.signal(fmu.name, name))]
+        if growing and not fmu.iterated:
+            name = growing[0]
+            largest = float(np.abs(result.signal(fmu.name, name)).max())
+            yield (
+                f"fmu.{fmu.name}: its {name} swings to and fro from one of its steps of {fmu.step:g} s to the next, "
+                f"ever further, up to {largest:.3g} {result.unit(fmu.name, name)}: held for so long it makes the loop "
+                "that it closes unstable, and what follows in the scene is of that; give it a smaller step, or smaller "
+                "gains"
+            )
+
+
+def _swings(values: Vector) -> bool:
+    """Whether a signal (N,) of constant pieces goes to and fro, ever further."""
+    if values.ndim != 1:
+        return False
+    changes = np.diff(values)
+    changes = changes[changes != 0.0]
+    further = (changes[1:] * changes[:-1] < 0.0) & (np.abs(changes[1:]) > np.abs(changes[:-1]))
+    ends = [-1, *np.flatnonzero(~further).tolist(), further.size]
+    return any(
+        stop - start > _SWINGS and abs(changes[stop]) > _GROWN * abs(changes[start + 1])
+        for start, stop in pairwise(ends)
+    )

@@ -1,0 +1,103 @@
+"""What is said of FMUs of other tools that take part in a scene, though they can: what is hardly meant, or known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from ..assembly import Assembly, Event, HingeLine, SignalFmu
+from ..assembly.signal_fmus import MEETS_RATES
+from ..messages import coded
+from ..scene.schema import CheckedScene
+from ..scene.signal_tables import Fmu
+
+_MOST_STEPS = 1e6
+"""Of an FMU in a run; a millisecond each is a quarter of an hour."""
+
+
+def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
+    """What is said of FMUs that take part, though they can: what is hardly meant, or hardly known."""
+    tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
+    for fmu in assembly.signal_fmus:
+        if (table := tables.get(fmu.name)) is not None:
+            yield from coded("W-fmu-unit", _bare_units(fmu))
+            yield from coded("W-fmu-step", _all_too_often(table, scene.header.until))
+            yield from coded("W-fmu-hinges", _of_several_hinges(fmu, table, assembly.hinge_lines))
+            yield from coded("W-fmu-events", _set_by_events(fmu, assembly.events))
+            if fmu.is_wing:
+                yield from coded("W-fmu-wing", _driven_wing(fmu, table, assembly.hinge_lines))
+
+
+def _bare_units(fmu: SignalFmu) -> Iterator[str]:
+    """Variables without unit, which are taken as they are."""
+    bare = [s for s in (*fmu.inputs, *fmu.outputs) if not s.says_unit and s.unit != "1"]
+    if bare:
+        listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
+        yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"
+
+
+def _all_too_often(table: Fmu, until: float) -> Iterator[str]:
+    """FMUs whose own step the run has to stop at more often than anybody waits for."""
+    if table.step is not None and until > _MOST_STEPS * table.step:
+        yield (
+            f"fmu.{table.name}: its step of {table.step:g} s is made {until / table.step:.2g} times in {until:g} s, "
+            "and the run steps to every one; check the unit of step"
+        )
+
+
+def _of_several_hinges(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
+    """Loads by the name of a line that has several hinges."""
+    hinges = {line.name: line for line in lines if len(line.hinges) > 1}
+    units = {s.variable: s.unit for s in (*fmu.inputs, *fmu.outputs)}
+    for name, source in table.inputs.items():
+        line = hinges.get(source.partition(".")[0])
+        if line is not None and "N" in units[name]:
+            number = len(line.hinges)
+            yield f"fmu.{fmu.name}.inputs.{name}: {source} is that of {line.sensor} alone, one of {number} hinges"
+    for name in table.outputs:
+        for target in table.targets(name):
+            line = hinges.get(target.partition(".")[0])
+            if line is not None and "N" in units[name]:
+                yield (
+                    f"fmu.{fmu.name}.outputs.{name}: each of the {len(line.hinges)} hinges of {line.name} gets the "
+                    "whole value; divide what is meant for the line"
+                )
+
+
+def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
+    """Parameters that an event sets as well."""
+    targets = {(s.part, s.quantity) for s in fmu.outputs}
+    for event in events:
+        for setting in event.settings:
+            if (setting.part, setting.parameter) in targets:
+                yield (
+                    f"event.{event.name}: it sets {setting.part}.{setting.parameter}, as the FMU {fmu.name} does; from "
+                    "the event on the FMU does no longer"
+                )
+
+
+def _driven_wing(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
+    """What a wing does not get that is held, and one that is iterated, from what it is joined to."""
+    if not fmu.iterated:
+        yield (
+            f"fmu.{fmu.name}: loads of this wing are held over a step, which is unstable where it is heavy beside its "
+            f"spacecraft, and may be in bands of steps; compare two steps, or give iterated = true and parameters = {{ "
+            f"{MEETS_RATES} = 1 }}"
+        )
+        return
+    if not table.parameters.get(MEETS_RATES):
+        yield (
+            f"fmu.{fmu.name}: it is iterated, with the rates of a step's end; give parameters = {{ {MEETS_RATES} = 1 "
+            "}, without which its base lags behind them"
+        )
+    if any(not signal.is_impulse for signal in fmu.outputs):
+        yield (
+            f"fmu.{fmu.name}: loads that it sets are means of both ends of a step, which lack the impulses of "
+            "kinematic latches; join its interface_impulse and interface_angular_impulse in their place"
+        )
+    if locks := ", ".join(line.name for line in lines if line.kinematic):
+        yield (
+            f"fmu.{fmu.name}: a lock of the scene itself takes rates away in no time, in which this wing takes no "
+            f"part, so that its impulse and the loads just after are those without the wing: {locks}; let it latch by "
+            "a spring"
+        )

@@ -1,0 +1,80 @@
+"""Lines that stray, and those that an event released: made-up runs of one line."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from orchestrator.assembly import HingeLine
+from orchestrator.results.line_travel import beyond_tables, folded_back, is_released, overruns
+
+TIME = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0])
+
+
+def result(angle, events, **line):
+    found = HingeLine(
+        "L", ("left", "right"), "left", line.get("latches", True), False, **line.get("more", {})
+    )
+    return SimpleNamespace(
+        time=TIME,
+        events=[(2.0, "failure", text) for text in events],
+        hinge_lines=(found,),
+        has=lambda component, variable: True,
+        signal=lambda component, variable: np.radians(angle),
+    ), found
+
+
+@pytest.mark.parametrize(
+    ("events", "gone"),
+    [
+        ([], False),
+        (["left released"], False),
+        (["left released, right released"], True),
+        (["left released", "right released"], True),
+        (["xleft released, xright released"], False),
+    ],
+)
+def test_a_line_is_released_with_the_last_of_its_hinges(events, gone):
+    assert is_released(*result([0.0] * 6, events)) == gone
+
+
+def test_what_a_released_line_does_is_nobodys_fault():
+    """Rule: bodies that fly apart neither fold back nor pass their deployed angle."""
+    away = [0.0, 5.0, 10.0, 10.0, -90.0, 200.0]
+    both = ["left released, right released"]
+    assert folded_back(result(away, [])[0])["L"].value == pytest.approx(np.radians(90.0))
+    assert folded_back(result(away, both)[0]) == {}
+    beyond = {"latches": False, "more": {"deployed_angle": np.pi / 2}}
+    assert overruns(result(away, [], **beyond)[0])["L"].largest == pytest.approx(np.radians(200.0))
+    assert overruns(result(away, both, **beyond)[0]) == {}
+
+
+def test_what_it_did_before_is_told():
+    """Rule: until its release a line is looked at like any other."""
+    back = [0.0, -30.0, 10.0, 10.0, -90.0, 200.0]
+    assert folded_back(result(back, ["left released, right released"])[0])["L"].value == pytest.approx(
+        np.radians(30.0)
+    )
+
+
+def test_a_line_with_an_end_stop_may_fold_back_as_well():
+    """Regression: it met the back of its stop, as a load of its own, without a word; a line that swings freely may."""
+    back, _ = result([0.0, -30.0, 10.0, 10.0, -90.0, 20.0], [], latches=False)
+    assert folded_back(back)["L"].value == pytest.approx(np.radians(90.0))
+    back.has = lambda component, variable: component == "left"
+    assert folded_back(back) == {}
+
+
+def test_what_leaves_the_tables_of_its_motor_is_told():
+    """Rule: by more than 0.2 rad, where it was furthest off; lines of straight motors know no end.
+
+    Regression: one turned by 300 revolutions under a torque of 600 N.m that nobody gave, without a word of it.
+    """
+    back = [0.0, -10.0, -30.0, -30.0, -20.0, 95.0]
+    known = {"known": (0.0, np.pi / 2)}
+    found = beyond_tables(result(back, [], more=known)[0])["L"]
+    assert (found.time, found.value) == (2.0, pytest.approx(np.radians(-30.0)))
+    assert beyond_tables(result([0.0, 5.0, -5.0, -5.0, 60.0, 95.0], [], more=known)[0]) == {}
+    assert beyond_tables(result(back, [])[0]) == {}
