@@ -30,8 +30,8 @@ def latch_energies(
     """Kinetic energies (J) that latches take up, by latch times (s) and rates (rad/s) just before.
 
     Of a lock between rigid bodies: half of its impulse (N.m.s) times the rate, which it removes. Of other latches:
-    J rate^2 / 2 with the effective inertia J (kg.m2) that damps the latch, which counts lines further out as latched and
-    lines nearer the base as free. It is no more than all bodies have, as a line may vibrate faster than the wing turns.
+    J rate^2 / 2 with the effective inertia J (kg.m2) that damps the latch. It counts lines further out as latched and
+    lines nearer the base as free. The energy is no more than all bodies have, as a line may vibrate.
     Lines of results without a record of J are left out.
     """
     moving: Vector = sum(

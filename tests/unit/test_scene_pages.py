@@ -16,7 +16,7 @@ from orchestrator.scene.keys.listing import key_tables
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-CONTROLLER = ROOT / "tests" / "examples" / "controllers" / "attitude_controller.py"
+CONTROLLER = ROOT / "examples" / "controllers" / "attitude_controller.py"
 PAGES = sorted(DOCS.glob("*.md"))
 SVG_TEXT = "{http://www.w3.org/2000/svg}text"
 

@@ -83,7 +83,7 @@ def write_sources(source: Path, gallery: bool, *, measure: bool = True) -> None:
 
 
 def _examples() -> Path:
-    return ROOT / "tests" / "examples"
+    return ROOT / "examples"
 
 
 def _settings(source: Path) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The gallery: the programs of `tests/examples` with what they print and the pictures that they write."""
+"""The gallery: the programs of `examples` with what they print and the pictures that they write."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def write_examples(examples: Path, folder: Path) -> None:
         for there, here in _HERE.items():
             rest = rest.replace(there, here)
         path.write_text(f'"""\n{title}\n{"=" * len(title)}\n\n{sentence}\n"""{rest}', encoding="utf-8")
-    text = "Gallery\n=======\n\nPrograms of ``tests/examples``, run while these pages were built.\n"
+    text = "Gallery\n=======\n\nPrograms of ``examples``, run while these pages were built.\n"
     (folder / "GALLERY_HEADER.rst").write_text(text, encoding="utf-8")
 
 

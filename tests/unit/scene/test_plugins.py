@@ -17,7 +17,7 @@ from orchestrator.views import plots
 from tests.references import synthetic_result
 from tests.references.relative_motion import inputs, port_motion
 
-TAPE = Path(__file__).parents[2] / "examples" / "plugins" / "tape_spring.py"
+TAPE = Path(__file__).parents[3] / "examples" / "plugins" / "tape_spring.py"
 SMALL = """
 from components.numerics.axial import AxialConnection
 
