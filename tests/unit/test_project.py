@@ -1,31 +1,25 @@
-"""The project's own rules: that they are alive, that they hold, and that the README says what there is."""
+"""The project's own rules: that they are alive, and that they hold."""
 
 from __future__ import annotations
 
 import ast
 import os
-import re
 import shutil
 import subprocess
 import sys
-import textwrap
 import tomllib
 from functools import cache
 from pathlib import Path
 
-import click
 import pytest
 
 import components
 import fmus
 import orchestrator
 from components import REGISTRY
-from orchestrator.cli.main import main
-from orchestrator.scene import list_scenes
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 BAD_LINES = {
@@ -227,104 +221,3 @@ def test_packages_share_one_folder():
     assert PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"] == names
     assert PROJECT["tool"]["check-wheel-contents"]["toplevel"] == names
     assert "Private :: Do Not Upload" in PROJECT["project"]["classifiers"]
-
-
-def section(title):
-    """Text of a section of the README."""
-    found = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", README, re.MULTILINE | re.DOTALL)
-    assert found, f"README.md has no section {title!r}"
-    return found[1]
-
-
-def test_readme_lists_every_component():
-    """Completeness: the table's first column is the registry, no more and no less."""
-    kinds = re.findall(r"^\| `(\w+)` \|", section("Components"), re.MULTILINE)
-    assert sorted(kinds) == sorted(REGISTRY)
-
-
-def commands():
-    """Every fanfold command line in the README, without its program."""
-    lines = re.findall(r"(?:\.venv/bin/|`)fanfold ([^`\n]+)", README)
-    assert len(lines) >= 5
-    return [line.split() for line in lines]
-
-
-def test_readme_commands_exist():
-    """Completeness: every command and option that the README shows is one; every command is shown."""
-    shown = set()
-    for name, *arguments in commands():
-        shown.add(name)
-        command = main.commands[name]
-        if isinstance(command, click.Group):
-            command = command.get_command(click.Context(command), arguments[0]) or command  # ... in a heading
-        options = {option for p in command.params for option in p.opts}
-        assert {a for a in arguments if a.startswith("-")} <= options
-    assert shown == set(main.commands)
-
-
-def test_readme_scenes_exist():
-    """Completeness: scenes that the README runs or exports come with Fanfold, and every one is mentioned."""
-    scenes = {a[1] for a in commands() if a[0] in ("run", "export") and len(a) > 1}
-    assert scenes
-    assert scenes <= set(list_scenes())
-    assert all(name in README for name in list_scenes())
-
-
-def test_readme_snippets_run(tmp_path, monkeypatch):
-    """What the README shows of Python runs as it stands, one snippet after the other, and leaves what it says."""
-    snippets = re.findall(r"^```python\n(.*?)^```", section("From Python"), re.MULTILINE | re.DOTALL)
-    assert len(snippets) >= 4
-    monkeypatch.chdir(tmp_path)
-    found = {}
-    for snippet in snippets:
-        exec(compile(snippet, "README.md", "exec"), found)
-    written = {path.name for path in tmp_path.iterdir()}
-    assert written == {"amos3.cold.h5", "margins", "one_panel.toml", "pictures", "torques.png"}
-    shown = ast.literal_eval(re.search(r"print\(result.latch_times\) +# (.*)", snippets[0])[1])
-    assert found["result"].latch_times == pytest.approx(shown, abs=0.006)
-    known = re.findall(r"fanfold\.(\w+)", section("From Python"))
-    assert set(known) <= set(orchestrator.__all__)
-
-
-def test_the_scene_of_the_readme_deploys(tmp_path):
-    """As it stands: no warning, both lines latch, the free spacecraft and the hinges between panels are told of."""
-    blocks = re.findall(r"(?:^    .*\n|^\n)+", section("Scenes"), re.MULTILINE)
-    (whole,) = [textwrap.dedent(block) for block in blocks if "[scene]" in block]
-    path = tmp_path / "scene.toml"
-    path.write_text(whole, encoding="utf-8")
-    found = orchestrator.check_scene(path)
-    assert (found.problems, found.warnings) == ((), ())
-    result = orchestrator.simulate(path, rigid="all")
-    assert result.complete
-    assert result.warnings == ()
-    assert set(result.latch_times) == {"HL1", "HL2"}
-    told = {number.quantity for number in result.headline.numbers()}
-    assert {"attitude peak", "port force peak", "hinge torque peak"} <= told
-
-
-def test_readme_tells_every_room():
-    """Completeness: the table of rooms names every folder of the packages that is one."""
-    told = section("Contributing")
-    rooms = [
-        path for path in (ROOT / "orchestrator").iterdir() if path.is_dir() and path.name != "__pycache__"
-    ]
-    missing = [room.name for room in rooms if f"`orchestrator/{room.name}`" not in told]
-    assert missing == []
-
-
-def test_readme_files_exist():
-    """Completeness: pictures and paths that the README points at are in the repository."""
-    pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
-    paths = re.findall(r"`((?:components|fmus|orchestrator|tests)/[\w/.]+)`", README)
-    missing = [path for path in (*pictures, *paths) if not (ROOT / path).exists()]
-    assert missing == []
-
-
-def test_readme_has_the_two_commands():
-    """Done-when 1: one line installs and runs, one installs and tests; CI takes the second from here."""
-    lines = [line.strip() for line in section("Two commands").splitlines() if line.startswith("    ")]
-    assert len(lines) == 2
-    assert lines[0].startswith("python3 -m venv .venv && ")
-    assert lines[0].endswith("fanfold run amos3")
-    assert lines[1].startswith("python3 -m venv .venv && ")
-    assert "pytest" in lines[1]

@@ -96,3 +96,12 @@ def test_drawings_are_those_of_the_program(tmp_path):
         kept = DOCS / "drawings" / path.name
         assert texts(path) == texts(kept), path.name
         assert kept.stat().st_size < 60_000
+
+
+def test_the_wing_of_the_pages_deploys(folder):
+    """As it stands: no warning, both lines latch, loads on the free spacecraft and at hinges are there."""
+    result = fanfold.simulate(folder / "two_panels.toml", rigid="all")
+    assert result.warnings == ()
+    assert set(result.latch_times) == {"HL1", "HL2"}
+    quantities = {number.quantity for number in result.headline.numbers()}
+    assert {"attitude peak", "port force peak", "hinge torque peak"} <= quantities
