@@ -102,6 +102,7 @@ class Beam(Component):
 
     kind = "beam"
     ports_vary = True
+    starts_from_inputs = False
 
     def __init__(
         self,

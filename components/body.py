@@ -100,6 +100,7 @@ class Body(Component):
 
     kind = "body"
     ports_vary = True
+    starts_from_inputs = False
 
     def __init__(
         self,

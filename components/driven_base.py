@@ -134,6 +134,7 @@ class DrivenBase(Component):
     noun = "interface"
     ports_vary = True
     constant_mobility = True
+    starts_from_inputs = False
 
     def __init__(self, ports: Sequence[Mapping[str, Any]]) -> None:
         self._arms = np.array([port["position"] for port in ports], dtype=float).reshape(-1, 3)

@@ -31,6 +31,7 @@ class FixedBase(Component):
     noun = "interface"
     ports_vary = True
     constant_mobility = True
+    starts_from_inputs = False
 
     def __init__(
         self,

@@ -219,6 +219,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             wrench, slopes = passage.wrenches(
                 loads.force, loads.torque, loads.force_slope, loads.torque_slope
             )
+        struck = h * loads.latch_torque if is_impulse else 0.0
         memories = memories_after(motions, moved.rates, is_paired=c.paired, is_impulse=is_impulse)
         slide = old.slide.after(memories[3].mean_rate, h)
         return moved.heated(loads.heat)._replace(
@@ -230,6 +231,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             loads=lasting,
             sliding=sliding,
             numerical=old.numerical + loads.numerical,
+            latch_impulse=old.latch_impulse + struck,
             presliding=loads.friction.deflection,
         )
 
@@ -342,6 +344,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             friction_energy=s.friction_heat,
             latch_energy=s.latch_heat,
             damping_energy=s.damping_heat,
+            latch_impulse=s.latch_impulse,
             failure_energy=0.0,
             potential_energy=stored_energy(c, now),
             dissipated_energy=sum(s.heat),
@@ -357,6 +360,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             friction_energy=s.friction_heat,
             latch_energy=s.latch_heat,
             damping_energy=s.damping_heat,
+            latch_impulse=s.latch_impulse,
             failure_energy=s.failure_heat,
             potential_energy=driving_energy(c, s.failure_angle),
             dissipated_energy=sum(s.heat) + s.failure_heat,

@@ -39,6 +39,7 @@ class MovingBase(Component):
     kind = "moving_base"
     ports_vary = True
     constant_mobility = True
+    starts_from_inputs = False
 
     def __init__(
         self,

@@ -6,10 +6,11 @@ import hashlib
 import io
 import re
 import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
+
+from components.contract.regular import is_regular
 
 LARGEST_BYTES = 256_000_000
 MOST_MEMBERS = 10_000
@@ -17,6 +18,7 @@ MOST_MEMBERS = 10_000
 _GENERATED = re.compile(rb'generationDateAndTime="[^"]*"')
 _DESCRIPTION = "modelDescription.xml"
 _LARGE = 100_000
+_ENCRYPTED = 1
 _digests: dict[tuple[int, int], bytes] = {}
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -38,8 +40,14 @@ def zip_bytes(files: Mapping[str, bytes], below: bytes = b"", *, compressed: boo
     return buffer.getvalue()
 
 
-def archive_problems(path: Path) -> Iterator[str]:
-    """What keeps an archive from being unpacked: too much, members that lead out of the folder, damaged contents."""
+def archive_problems(path: Path, contents: bool = True) -> Iterator[str]:
+    """What keeps an archive from being unpacked: too much, members that lead out of the folder, damaged contents.
+
+    contents: whether members are read, to find those that are damaged; whoever unpacks them finds them as well.
+    """
+    if not is_regular(path):
+        yield "there is no such file"
+        return
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
@@ -52,9 +60,11 @@ def archive_problems(path: Path) -> Iterator[str]:
                 parts = PurePosixPath(member.filename.replace("\\", "/")).parts
                 if ".." in parts or parts[:1] == ("/",):
                     yield f"its member {member.filename!r} leads out of the folder that it is unpacked to"
-            if (damaged := archive.testzip()) is not None:
+            if any(member.flag_bits & _ENCRYPTED for member in members):
+                yield "its members are encrypted; give it without a password"
+            elif contents and (damaged := archive.testzip()) is not None:
                 yield f"its member {damaged!r} is damaged"
-    except (zipfile.BadZipFile, zlib.error, OSError, NotImplementedError, RuntimeError, ValueError) as error:
+    except Exception as error:  # every way to compress has errors of its own
         yield f"the archive is damaged ({error})"
 
 

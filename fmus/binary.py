@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
 _MAGIC, _64_BITS, _LITTLE_ENDIAN = b"\x7fELF", 2, 1
 _HEADER = struct.Struct("<16sHHIQQQIHHHHHH")
 _SEGMENT = struct.Struct("<IIQQQQQQ")
+
+
+_GLIBC = re.compile(rb"\0GLIBC_(\d+)\.(\d+)(?:\.\d+)?(?=\0)")
+"""Among the strings of an ELF binary: versions of its symbols, which it needs of the C library."""
+
+
+def glibc_of(content: bytes) -> tuple[int, int] | None:
+    """Oldest version of the GNU C library that an ELF binary runs with; None where it names none."""
+    found = [(int(major), int(minor)) for major, minor in _GLIBC.findall(content)]
+    return max(found) if found and content.startswith(_MAGIC) else None
 
 
 def cut_short(path: Path) -> str:

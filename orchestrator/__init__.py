@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from .api.pictures import plot as plot
     from .api.plugins import figure as figure
     from .api.plugins import load_plugin as load_plugin
+    from .api.plugins import trust as trust
     from .api.result import Result as Result
     from .api.simulate import check as check
     from .api.simulate import check_scene as check_scene
@@ -84,6 +85,7 @@ _HOMES = {
     "plot": "orchestrator.api.pictures",
     "figure": "orchestrator.api.plugins",
     "load_plugin": "orchestrator.api.plugins",
+    "trust": "orchestrator.api.plugins",
     "Result": "orchestrator.api.result",
     "export_view": "orchestrator.api.viewers",
     "FanfoldWarning": "orchestrator.api.warnings",

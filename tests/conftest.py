@@ -38,6 +38,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture
+def nothing_trusted(monkeypatch, tmp_path_factory):
+    """A cache of its own, in which no plugin and no file of a result is trusted yet."""
+    from orchestrator.scene.plugins import trust
+
+    monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path_factory.mktemp("cache")))
+    monkeypatch.setattr(trust, "_remembered", set())
+
+
+@pytest.fixture
 def kept_registry():
     """Leaves the kinds of components, the plugins and the figures that there were before."""
     from orchestrator.views import plots  # which most tests do without

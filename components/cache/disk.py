@@ -94,6 +94,12 @@ def kept(group: str, key: str, build: Callable[[], bytes]) -> bytes:
     return content
 
 
+def is_kept(group: str, key: str) -> bool:
+    """Whether there is a sound file of this key."""
+    places = dict.fromkeys(filter(None, (folder(), written_folder())))
+    return any(_read(place / f"{group}-{key}") is not None for place in places)
+
+
 def _read(path: Path) -> bytes | None:
     """The content of a file, marked as used; None where there is none, or a damaged one."""
     with suppress(OSError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
+from ..contract.regular import content
 from ..imported.agreement import Stated
 from ..imported.body import ImportedBody
 from ..imported.files import NAMES
@@ -67,14 +68,14 @@ def _joined(table: Table, key: str) -> tuple[JoinedPoint, ...]:
 
 def _digest(table: Table, files: tuple[tuple[str, str], ...]) -> str:
     """Of the content of all files; empty where one cannot be read."""
-    content = hashlib.sha256()
+    found = hashlib.sha256()
     for name, given in files:
         path = Path(given)
         for part in beside(path):
             try:
-                content.update(part.read_bytes())
+                found.update(content(part))
             except OSError as error:
                 if part == path:
                     table.note(name, f"{path}: cannot be read: {error.strerror}")
                     return ""
-    return content.hexdigest()
+    return found.hexdigest()

@@ -144,9 +144,9 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
         bending, membrane = given.numbers("bending", "N.m", 4), given.numbers("membrane", "N/m", 4)
         given.close()
     elif kind == "sandwich" and (given := table.table("sandwich")):
-        bending, membrane, sheets = _sandwich(given)
+        bending, membrane, sheets = _sandwich(given, min(length, width))
     elif kind == "layers":
-        layers = [_layer(entry) for entry in table.entries("layers")]
+        layers = [_layer(entry, min(length, width)) for entry in table.entries("layers")]
         if not layers:
             table.note("layers", "is empty; give at least one")
         elif all(layer.is_known for layer in layers):
@@ -171,9 +171,18 @@ def _orthotropic(values: Sequence[float]) -> tuple[float, float, float, float]:
     return first, second, mixed, twist
 
 
-def _sandwich(table: Table) -> tuple[tuple[float, ...], tuple[float, ...], FaceSheets | None]:
-    """Bending and membrane stiffness of two isotropic skins on a core, and these skins."""
-    skin, core = table.number("skin", "m"), table.number("core", "m")
+def _thickness(table: Table, key: str, side: float) -> float:
+    """A thickness (m), which is less than the shorter side of its plate (m)."""
+    thickness = table.number(key, "m")
+    if thickness >= side:
+        meant = f"; did you mean {thickness:g} mm" if 1e-3 * thickness < side else ""
+        table.note(key, f"{thickness:g} m is thicker than the panel is wide ({side:g} m){meant}")
+    return thickness
+
+
+def _sandwich(table: Table, side: float) -> tuple[tuple[float, ...], tuple[float, ...], FaceSheets | None]:
+    """Bending and membrane stiffness of two isotropic skins on a core, and these skins; side: the shorter (m)."""
+    skin, core = (_thickness(table, key, side) for key in ("skin", "core"))
     modulus, ratio = table.number("youngs_modulus", "Pa"), table.number("poisson_ratio", "1", "any")
     if abs(ratio) >= 1.0:
         table.note("poisson_ratio", f"is {ratio:g}; it must be between -1 and 1")
@@ -184,10 +193,10 @@ def _sandwich(table: Table) -> tuple[tuple[float, ...], tuple[float, ...], FaceS
     return *sandwich_stiffness(skin, core, modulus, ratio, shear), sheets
 
 
-def _layer(table: Table) -> Layer:
+def _layer(table: Table, side: float) -> Layer:
     modulus = table.number("youngs_modulus", "Pa")
     layer = Layer(
-        table.number("thickness", "m"),
+        _thickness(table, "thickness", side),
         modulus,
         table.number("transverse_modulus", "Pa", default=modulus),
         table.number("poisson_ratio", "1", "any"),

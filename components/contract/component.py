@@ -131,6 +131,8 @@ class Component(ABC):
     constant_mobility: bool = False
     observes_inputs: bool = True
     """Whether observations may follow inputs of the same instant, and not only those of steps before."""
+    starts_from_inputs: bool = True
+    """Whether the state at the start may follow inputs of that instant; that of a body follows its parameters."""
     returns_early: bool = False
     """Whether steps of a native FMU of FMI 3.0 may end at events inside of it, whatever its parameters."""
 

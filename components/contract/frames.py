@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 Vector3: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 
+_ROUNDING = 1e-12
+"""Of a unit quaternion's components: cos(pi / 2) is no zero in floats."""
 SKEW = np.zeros((3, 9))
 """(3, 9): `v @ SKEW`, reshaped to (3, 3), is the skew matrix of v (v x w = skew(v) w)."""
 SKEW[0, 5], SKEW[0, 7] = -1.0, 1.0
@@ -42,6 +44,12 @@ def normalized(q: Quaternion) -> Quaternion:
     """The quaternion of unit length."""
     scale = 1.0 / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return (q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale)
+
+
+def with_positive_scalar(q: Quaternion) -> Quaternion:
+    """The unit quaternion of the same rotation whose first component that is no rounding is positive."""
+    leading = next(component for component in q if abs(component) > _ROUNDING)
+    return q if leading > 0.0 else (-q[0], -q[1], -q[2], -q[3])
 
 
 def exponential(v: Vector3) -> Quaternion:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import sys
 import traceback
 from hashlib import sha256
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
 from .component import REGISTRY
 from .errors import FanfoldError
+from .regular import content
 
 
 class PluginError(FanfoldError):
@@ -31,18 +32,15 @@ def load_plugin(path: str | Path) -> frozenset[str]:
     PluginError where it cannot be read or run, or has a kind that there is already.
     """
     path = Path(path).resolve()
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise PluginError(f"{path}: the plugin cannot be read ({error.strerror})") from None
-    digest, before = sha256(content).hexdigest(), _loaded.get(path)
+    text = _content(path)
+    digest, before = sha256(text).hexdigest(), _loaded.get(path)
     if before is not None and before.digest == digest:
         return before.kinds
     for kind in before.kinds if before is not None else ():
         REGISTRY.pop(kind, None)
     others = dict(REGISTRY)
     try:
-        _run(path, digest)
+        _run(path, text, digest)
     except BaseException as error:
         REGISTRY.clear()
         REGISTRY.update(others)
@@ -54,14 +52,30 @@ def load_plugin(path: str | Path) -> frozenset[str]:
     return _loaded[path].kinds
 
 
-def _run(path: Path, digest: str) -> None:
-    name = f"fanfold_plugin_{path.stem}_{digest[:12]}"
-    spec = spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise ImportError("is no Python file, which ends in .py")
-    module = sys.modules[name] = module_from_spec(spec)
+def loaded_plugins() -> dict[Path, str]:
+    """Files that this process has loaded, and the SHA-256 of their content, in hexadecimal digits."""
+    return {path: known.digest for path, known in _loaded.items()}
+
+
+def plugin_digest(path: Path) -> str:
+    """SHA-256 of the content of a plugin, in hexadecimal digits; PluginError where it cannot be read."""
+    return sha256(_content(path)).hexdigest()
+
+
+def _content(path: Path) -> bytes:
     try:
-        spec.loader.exec_module(module)
+        return content(path)
+    except OSError as error:
+        raise PluginError(f"{path}: the plugin cannot be read ({error.strerror})") from None
+
+
+def _run(path: Path, text: bytes, digest: str) -> None:
+    name = f"fanfold_plugin_{path.stem}_{digest[:12]}"
+    module = sys.modules[name] = ModuleType(name)
+    module.__file__ = str(path)
+    try:
+        # the content that the digest is of: a loader may take a __pycache__ in its place, which others can send too
+        exec(compile(text, str(path), "exec"), module.__dict__)
     except BaseException:
         del sys.modules[name]
         raise

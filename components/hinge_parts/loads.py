@@ -95,7 +95,7 @@ def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
     return Loads(
         (load[0], load[1], load[2]),
         conjugate_torque(load[3], (load[4], load[5]), mean_swing(old, new)),
-        0.0,
+        load[3] if locked else 0.0,
         Presliding(0.0, 0.0, old.presliding),
         (0.0, latch, 0.0),
         sum(work) - latch,

@@ -129,6 +129,7 @@ class State(NamedTuple):
     latched_angle: Annotated[float, kept("rad", "Angle where the latch engaged")] = 0.0
     holding: Annotated[float, kept("1", "1 while the angle is held")] = 0.0
     numerical: Annotated[float, kept("J", "What the scheme took away")] = 0.0
+    latch_impulse: Annotated[float, kept("N.m.s", "Angular impulse of a lock")] = 0.0
     failed: Annotated[float, kept("1", "1 from the failure on")] = 0.0
     failure_angle: Annotated[float, kept("rad", "Angle at the failure")] = 0.0
     failure_heat: Annotated[float, kept("J", "Elastic energy that the failure turned to heat")] = 0.0
@@ -217,6 +218,10 @@ class Observations(NamedTuple):
     ]
     damping_energy: Annotated[
         float, observed("J", "Energy dissipated by the damping of the joint", DISSIPATION)
+    ]
+    latch_impulse: Annotated[
+        float,
+        observed("N.m.s", "Angular impulse of a kinematic latch about the hinge line, positive opening"),
     ]
     failure_energy: Annotated[float, observed("J", "Energy held at the failure, as heat", DISSIPATION)]
     potential_energy: Annotated[

@@ -148,10 +148,12 @@ def _size(shape: Sequence[int]) -> str:
 
 
 def _finite(name: str, values: Vector) -> None:
-    wrong = int(np.sum(~np.isfinite(values)))
+    with np.errstate(over="ignore"):
+        wrong = int(np.sum(~np.isfinite(np.square(values))))
     if wrong:
         raise ComponentError(
-            f"{name}: {wrong} values are not finite; the file is damaged, or its program failed"
+            f"{name}: {wrong} values are not finite, or too large to compute with; the file is damaged, or its "
+            "program failed"
         )
 
 

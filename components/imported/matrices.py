@@ -9,8 +9,6 @@ have eight letters.
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,13 +19,18 @@ from scipy import sparse
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import OutputRows, SparseMatrix
 from .data import AMPLITUDE, FiniteElementData, Integers, MassSamples, NodeTable, Recovery
-from .files import OUTPUTS
+from .files import OP4_NAMES, OUTPUTS
+from .opening import arrays, reading
 from .text.labelled import Entries, LabelledMatrix
 
 Matrices = Mapping[str, Any]
 _ENTRIES = "_entries"
 _SQUARE = ("stiffness", "mass")
 _TABLES = ("coordinates", "sample_masses", "sample_positions", "recovered_nodes")
+_STORED = frozenset(
+    (*OP4_NAMES, *(f"{name}{_ENTRIES}" for name in OP4_NAMES), *(f"{name}_labels" for name in OUTPUTS))
+)
+"""What is read of an npz file."""
 _EMPTY = 100
 """Rows to an entry, beyond which a number of a row is damaged."""
 
@@ -203,19 +206,8 @@ def _in_order(nodes: Integers, count: int) -> Any:  # noqa: ANN401 - integers
 
 def read_npz(path: Path) -> FiniteElementData:
     """The data of an npz file, whose matrices are dense, or NAME_entries with row, column (from 1) and value."""
-    try:
-        with np.load(path, allow_pickle=False) as stored:
-            found: dict[str, Any] = {name: stored[name] for name in stored.files}
-    except (
-        ValueError,
-        OSError,
-        EOFError,
-        zipfile.BadZipFile,
-        zlib.error,
-        KeyError,
-        NotImplementedError,
-    ) as error:
-        raise ComponentError(f"{path.name}: cannot be read as npz: {error}") from None
+    with reading(path, "npz"):
+        found: dict[str, Any] = dict(arrays(path, _STORED))
     entries = (name for name in found if name.endswith(_ENTRIES))
     # stiffness and mass first, as other matrices have as many columns
     for name in sorted(entries, key=lambda one: one.removesuffix(_ENTRIES) not in _SQUARE):

@@ -14,6 +14,7 @@ from ..contract.component import ComponentError
 from .data import FiniteElementData
 from .files import WHOLE
 from .matrices import from_matrices, read_npz
+from .opening import reading
 from .text.decks import DECKS, included, read_deck
 from .text.entries import read_columns, read_dofs, read_entries
 from .text.harwell_boeing import is_harwell_boeing, read_harwell_boeing
@@ -35,6 +36,11 @@ def read(paths: Mapping[str, Path]) -> FiniteElementData:
     whole = paths.get(WHOLE)
     if whole is None:
         return from_matrices(_matrices(further))
+    with reading(whole, "finite elements"):
+        return _read_whole(whole, further)
+
+
+def _read_whole(whole: Path, further: Mapping[str, Path]) -> FiniteElementData:
     ending = whole.suffix.lower()
     if ending == ".npz":
         return read_npz(whole)
@@ -57,6 +63,8 @@ def read(paths: Mapping[str, Path]) -> FiniteElementData:
 
 def beside(path: Path) -> tuple[Path, ...]:
     """The files that are read with one, itself among them, whether they are there or not."""
+    if not path.name:
+        return (path,)
     parts = {".asm": (".asm", ".op4", ".pch"), ".sti": tuple(_CALCULIX.values())}
     found = [path.with_suffix(ending) for ending in parts.get(path.suffix.lower(), (path.suffix,))]
     return tuple(part for one in found for part in (included(one) if one.suffix.lower() == ".inp" else [one]))
@@ -85,13 +93,15 @@ def _of_substructure(path: Path) -> dict[str, Any]:
 
 
 def _matrices(paths: Mapping[str, Path]) -> dict[str, Any]:
-    return {name: _matrix(name, path) for name, path in paths.items()}
+    found = {}
+    for name, path in paths.items():
+        with reading(path, name.replace("_", " ")):
+            found[name] = _matrix(name, path)
+    return found
 
 
 def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, entries or nodes
     """What a file has of a name: Matrix Market, Harwell-Boeing, columns of numbers, or what goes with one program."""
-    if not path.is_file():
-        raise ComponentError(f"{path.name}: is not there")
     if name == "coordinates" and path.suffix.lower() in DECKS:
         return read_deck(path)
     if name == "coordinates" and _has_grids(path):
@@ -104,17 +114,24 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
         return read_harwell_boeing(path)
     content = path.read_bytes()
     if content.startswith(_HEAD):
-        try:
-            size = max(io.mminfo(BytesIO(content))[:2])
-            if size > len(content):
-                raise ValueError(f"it has {size} rows or columns in {len(content)} characters")
+        with reading(path, "Matrix Market"):
+            _refuse_other_size(content)
             # SciPy reads beyond the end of a file that is cut off within an exponent, but not beyond a line
             return sparse.coo_array(io.mmread(BytesIO(_in_plain_numbers(content) + b"\n")))
-        except (ValueError, OSError, TypeError, OverflowError) as error:
-            raise ComponentError(f"{path.name}: cannot be read as Matrix Market: {error}") from None
     if name not in ("stiffness", "mass"):
         return read_columns(path)
     return _part_of_substructure(name, path) if is_user_element(path) else read_entries(path)
+
+
+def _refuse_other_size(content: bytes) -> None:
+    """ValueError before memory is taken for a Matrix Market file of more numbers than it has characters."""
+    rows, columns, entries, layout, _, symmetry = io.mminfo(BytesIO(content))
+    if layout == "array":
+        entries = rows * columns if symmetry == "general" else rows * (rows - 1) // 2
+    if max(rows, columns, entries) > len(content):
+        raise ValueError(
+            f"{rows} rows, {columns} columns and {entries} numbers are announced in {len(content)} characters"
+        )
 
 
 def _in_plain_numbers(content: bytes) -> bytes:

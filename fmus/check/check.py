@@ -38,6 +38,7 @@ _TRIAL = Path(__file__).with_name("smoke_run.py")
 _TRIAL_SECONDS = 120
 _LARGEST_DESCRIPTION = 50_000_000
 """Bytes, of a quarter of a million variables; a schema takes minutes for more."""
+_OTHER_INTERFACES = {"ModelExchange": "model exchange", "ScheduledExecution": "scheduled execution"}
 Kind = Literal["breaks the standard", "Fanfold needs", "advice"]
 
 
@@ -84,16 +85,28 @@ def _problems(path: Path, run: bool) -> list[str]:
         terminals = archive.read(_TERMINALS) if _TERMINALS in members else None
     try:
         root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, ValueError, LookupError) as error:  # of encodings as well
         return [f"modelDescription.xml is not well-formed: {error}"]
-    if root.get("fmiVersion", "") not in ("2.0", "3.0") or root.find("CoSimulation") is None:
-        return [f"{path.name} is not an FMU 2.0 or 3.0 for co-simulation"]
+    if unfit := _unfit(root):
+        return [unfit]
     missing = list(_missing_binary(root, set(members)))
     problems = [f"the path of its member {name!r} has a backslash; FMI has slashes" for name in crooked]
     problems += [*_validated(path, root), *_common_problems(root), *missing, *_structured(root, terminals)]
     if run and not missing and all(isinstance(problem, Problem) for problem in problems):
         problems += _trial_problems(path)
     return problems
+
+
+def _unfit(root: Element) -> str:
+    """Why an FMU has nothing to check here; empty where it has: another version of FMI, another interface type."""
+    if root.get("fmiVersion", "") not in ("2.0", "3.0"):
+        return "it is not an FMU 2.0 or 3.0"
+    if root.find("CoSimulation") is not None:
+        return ""
+    kinds = [words for tag, words in _OTHER_INTERFACES.items() if root.find(tag) is not None]
+    if not kinds:
+        return "it has no interface type, neither co-simulation nor another"
+    return Problem(f"co-simulation; this FMU has {' and '.join(kinds)} only", "Fanfold needs")
 
 
 def _structured(root: Element, terminals: bytes | None) -> list[str]:

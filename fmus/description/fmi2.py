@@ -14,7 +14,7 @@ from components import Component, ComponentError
 
 from .model_exchange import add_model_exchange, state_units
 from .units import add_units
-from .variables import Variable, follows_inputs, scalars
+from .variables import Variable, follows_inputs, scalars, starts_from_inputs
 
 Backend = Literal["native", "python"]
 FmiVersion = Literal["2.0", "3.0"]
@@ -161,10 +161,12 @@ def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequen
 
 
 def _add_structure(root: _Element, component: Component, variables: Sequence[Variable]) -> None:
-    """In initialization mode everything calculated depends on all that is known, which no list of dependencies says."""
+    """In initialization mode an unknown without a list of dependencies depends on all that is known."""
     structure = SubElement(root, "ModelStructure")
     calculated = [v for v in variables if v.causality == "output"]
-    inputs = _index_list(v for v in variables if v.causality == "input")
+    inputs, parameters = (
+        _index_list(v for v in variables if v.causality == causality) for causality in ("input", "parameter")
+    )
     if calculated:
         outputs = SubElement(structure, "Outputs")
         for variable in calculated:
@@ -173,7 +175,9 @@ def _add_structure(root: _Element, component: Component, variables: Sequence[Var
             SubElement(outputs, "Unknown", {"index": index, "dependencies": dependencies})
         unknowns = SubElement(structure, "InitialUnknowns")
         for variable in calculated:
-            SubElement(unknowns, "Unknown", {"index": _index_list([variable])})
+            unknown = SubElement(unknowns, "Unknown", {"index": _index_list([variable])})
+            if not starts_from_inputs(component, variable):
+                unknown.set("dependencies", parameters)
 
 
 def _index_list(variables: Iterable[Variable]) -> str:

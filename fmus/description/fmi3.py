@@ -15,7 +15,7 @@ from components import Component, Port, port_layout
 
 from .fmi2 import STEP_DERIVATIVE, Experiment, header, xml_bytes
 from .units import add_units
-from .variables import Variable, follows_inputs, quantities
+from .variables import Variable, follows_inputs, quantities, starts_from_inputs
 
 _CAPABILITIES = {
     "canHandleVariableCommunicationStepSize": "true",
@@ -96,16 +96,20 @@ def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequen
 
 
 def _add_structure(root: _Element, component: Component, variables: Sequence[Variable]) -> None:
-    """In initialization mode everything calculated depends on all that is known, which no list of dependencies says."""
+    """In initialization mode an unknown without a list of dependencies depends on all that is known."""
     structure = SubElement(root, "ModelStructure")
     calculated = [v for v in variables if v.causality == "output"]
-    inputs = _references(v for v in variables if v.causality == "input")
+    inputs, parameters = (
+        _references(v for v in variables if v.causality == causality) for causality in ("input", "parameter")
+    )
     for variable in calculated:
         dependencies = inputs if follows_inputs(component, variable) else ""
         reference = str(variable.value_reference)
         SubElement(structure, "Output", {"valueReference": reference, "dependencies": dependencies})
     for variable in calculated:
-        SubElement(structure, "InitialUnknown", {"valueReference": str(variable.value_reference)})
+        unknown = SubElement(structure, "InitialUnknown", {"valueReference": str(variable.value_reference)})
+        if not starts_from_inputs(component, variable):
+            unknown.set("dependencies", parameters)
 
 
 def _references(variables: Iterable[Variable]) -> str:

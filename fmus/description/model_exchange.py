@@ -95,7 +95,9 @@ def _add_structure(structure: _Element, component: Component, states: Continuous
     if unknowns is None:
         unknowns = SubElement(structure, "InitialUnknowns")
     for index in range(first, first + 2 * n):
-        SubElement(unknowns, "Unknown", {"index": str(index)})
+        unknown = SubElement(unknowns, "Unknown", {"index": str(index)})
+        if index < first + n and not component.starts_from_inputs:
+            unknown.set("dependencies", _joined(range(1, parameters + 1)))
 
 
 def _joined(indices: Iterable[int]) -> str:

@@ -90,6 +90,11 @@ def follows_inputs(component: Component, variable: Variable) -> bool:
     return component.feedthrough or observed
 
 
+def starts_from_inputs(component: Component, variable: Variable) -> bool:
+    """Whether an output may depend on inputs in initialization mode, where all depend on parameters."""
+    return component.starts_from_inputs or follows_inputs(component, variable)
+
+
 def start_values(component: Component, start: Mapping[str, StartValue]) -> tuple[float, ...]:
     """Start values of parameters and inputs in order: the declared ones with those of `start` put in.
 

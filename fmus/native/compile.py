@@ -32,6 +32,8 @@ FLAGS = (
     "-Werror=incompatible-pointer-types",  # a plain state is no state that carries a derivative
     "-Werror=implicit-function-declaration",
 )
+LINK_FLAGS = ("-s", "-shared")
+"""A library that FMUs carry has no names but those that hosts call."""
 ASSEMBLY = "assembly"
 """Kind of a scene with its master as one component: its kernel, in `coupling`, drives those of the others."""
 COUPLING_FLAGS = (*FLAGS, f"-I{HERE / 'coupling'}")
@@ -120,7 +122,7 @@ def compile_library(
     target: Path,
     flags: Sequence[str] = FLAGS,
     command: Sequence[str] | None = None,
-    link_flags: Sequence[str] = ("-shared",),
+    link_flags: Sequence[str] = LINK_FLAGS,
 ) -> None:
     """Compile the library of all components to `target`; CompileError where that is impossible."""
     with tempfile.TemporaryDirectory() as folder:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from components.cache.disk import kept
 
 from ..description.fmi2 import FmiVersion
-from .compile import FLAGS, CompileError, compile_library, sources
+from .compile import FLAGS, LINK_FLAGS, CompileError, compile_library, sources
 
 
 class Platform(NamedTuple):
@@ -30,7 +30,7 @@ class Platform(NamedTuple):
     folder3: str
     target: str
     suffix: str
-    link_flags: tuple[str, ...] = ("-s", "-shared")
+    link_flags: tuple[str, ...] = LINK_FLAGS
 
 
 _REACTOR = ("-s", "-mexec-model=reactor", "-Wl,--export-dynamic,--export=malloc,--export=free")

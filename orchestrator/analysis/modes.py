@@ -40,6 +40,8 @@ _LOADED = 1e-3
 """N or N.m out of balance, and Hz, up to which nothing is compared."""
 _COMPARED, _OFF = 6, 0.01
 """Modes as posed that are compared with those in equilibrium, and by how much one of them is off where it is told."""
+_CLOSE, _CLOSE_DAMPED = 0.1, 5.0
+"""Relative distance of closely spaced modes, and in damping ratios (US NRC Regulatory Guide 1.92)."""
 _COUPLED = 0.1
 """Part of its damping that a mode may lose to others before that is told."""
 
@@ -104,6 +106,17 @@ class Modes:
         return np.array([mode.frequency for mode in self.listed])
 
     @property
+    def closely_spaced(self) -> list[tuple[Mode, Mode]]:
+        """Neighbours whose responses combine in phase or beat: within 10 %, or five damping ratios above 2 %.
+
+        The definition of US NRC Regulatory Guide 1.92, revision 2, relative to the lower frequency.
+        """
+        pairs = zip(self.listed, self.listed[1:], strict=False)
+        return [
+            (low, high) for low, high in pairs if 0.0 < high.frequency - low.frequency < _spacing(low, high)
+        ]
+
+    @property
     def turns(self) -> bool:
         """Whether they are those of a steady spin, where modes have no effective masses."""
         return self.model.mechanism.spin is not None
@@ -127,7 +140,14 @@ class Modes:
             if structural is None
             else {"ratio": structural.ratio, "reference_frequency_hz": structural.reference_frequency},
             "modes": [mode.as_dict() for mode in self.listed],
+            "closely_spaced": [[low.number, high.number] for low, high in self.closely_spaced],
         }
+
+
+def _spacing(low: Mode, high: Mode) -> float:
+    """Distance (Hz) up to which two modes are closely spaced; damping that is not a number counts as none."""
+    damping = max((one.damping_ratio for one in (low, high) if not isnan(one.damping_ratio)), default=0.0)
+    return low.frequency * max(_CLOSE, _CLOSE_DAMPED * damping)
 
 
 def find_modes(

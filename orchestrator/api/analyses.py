@@ -7,17 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from ..assembly.assemble import assemble
+from ..assembly.doubts.at_the_start import turned_from_the_world
 from ..assembly.fidelities import bending
 from ..assembly.spin import unstiffened_spins
 from ..assembly.statics.steady_spin import spin_at_start
-from ..messages import message
+from ..messages import coded, message
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
 from ..scene.builder import Names, listed
 from .documents import ResultLike, opened
 from .progress import chosen
 from .quantities import Quantity, at_least, by_line, in_si
-from .simulate import SceneLike, load
+from .simulate import SceneLike, as_scene
 from .warnings import warn
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def constraints(scene: SceneLike) -> Constraints:
     """Constraints of a scene's joints where it starts: count, rank, redundant ones, what can move."""
     from ..scene.loops.freedoms import find_constraints
 
-    return find_constraints(load(scene).check_one_run())
+    return find_constraints(as_scene(scene).check_one_run())
 
 
 def modes(
@@ -279,7 +280,7 @@ def torque_margin(
             value = in_si(torque, "N.m", f"the torque {symbol} of {line}", "zero or positive")
             extra.setdefault(line, {})[symbol] = value or 0.0
     count = at_least(positions, 2, "positions")
-    return find(margin_cases(load(scene), listed(cases)), count, factors, friction, extra)
+    return find(margin_cases(as_scene(scene), listed(cases)), count, factors, friction, extra)
 
 
 def restart(
@@ -299,7 +300,7 @@ def restart(
     from ..analysis.torque_margin.margins import margin_cases
     from ..analysis.torque_margin.restart import restart_cases, restart_shares
 
-    scenes = margin_cases(load(scene), listed(cases))
+    scenes = margin_cases(as_scene(scene), listed(cases))
     shares = {case: restart_shares(one, listed(positions)) for case, one in scenes.items()}
     end = in_si(until, "s", "until", "positive")
     return restart_cases(scenes, shares, _folder(folder), end, chosen(progress))
@@ -323,7 +324,7 @@ def latch_tuning(
     """
     from ..analysis.latch_tuning import find_line, tune
 
-    checked = load(scene).check_one_run()
+    checked = as_scene(scene).check_one_run()
     found = find_line(checked, line)
     _tell_of_locks(found)
     return tune(
@@ -352,7 +353,7 @@ def wing_latch_tuning(
     from ..analysis.latch_tuning_of_wing import tune_wing
 
     wanted = in_si(frequency, "Hz", "the frequency", "positive")
-    checked = load(scene).check_one_run()
+    checked = as_scene(scene).check_one_run()
     _tell_of_locks(find_line(checked, line))
     return tune_wing(checked, line, listed(rigid), listed(flexible), wanted)
 
@@ -386,7 +387,7 @@ def mode_study(
     """
     from ..analysis.mode_study import mode_study as study
 
-    loaded, bar = load(scene), chosen(progress)
+    loaded, bar = as_scene(scene), chosen(progress)
     return study(loaded, body, counts, listed(rigid), listed(flexible), tolerance, _folder(folder), bar)
 
 
@@ -406,7 +407,7 @@ def step_study(
     """
     from ..analysis.step_study import step_study as study
 
-    assembly = assemble(load(scene).check_one_run(), listed(rigid), listed(flexible))
+    assembly = assemble(as_scene(scene).check_one_run(), listed(rigid), listed(flexible))
     return study(assembly, steps, tolerance, _folder(folder), chosen(progress))
 
 
@@ -450,15 +451,17 @@ def impacts(result: ResultLike) -> list[Impact]:
 
 
 def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
-    """The scene checked; a FanfoldWarning tells of what the analysis leaves out.
+    """The scene checked; a FanfoldWarning each for what the analysis leaves out and a base that starts turned.
 
     spinning: whether the analysis is about the steady spin of a base.
     """
     from ..analysis.small_motion import left_out
 
-    checked = load(scene).check_one_run()
-    for sentence in left_out(checked, listed(rigid), spinning):
-        warn(message("W-modes-omitted", sentence))
+    checked = as_scene(scene).check_one_run()
+    for sentence in coded("W-base-turned", turned_from_the_world(checked)):
+        warn(sentence)
+    for sentence in coded("W-modes-omitted", left_out(checked, listed(rigid), spinning)):
+        warn(sentence)
     return checked
 
 

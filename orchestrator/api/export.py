@@ -23,7 +23,7 @@ from ..scene.component_connections import WrenchMode
 from ..scene.layers import files_besides
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
-from .simulate import SceneLike, load
+from .simulate import SceneLike, as_scene
 from .warnings import warn
 
 _MANY_STEPS = 1e7
@@ -63,7 +63,7 @@ def export(
     """
     _check_form(fmi, as_one, driven_base, plain=wrench_mode is None and backend != "python")
     wrench_mode = wrench_mode or "endpoint"
-    checked = load(scene).check_one_run()
+    checked = as_scene(scene).check_one_run()
     if ssp is not None:
         _check_ssp(Path(ssp), fmi, wrench_mode)
     wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
@@ -184,7 +184,7 @@ def export_body(scene: SceneLike, body: str, path: str | Path, *, modes: int | N
     default those of the scene. Damping is the scene's and no part of it. An .asm is an external superelement of
     Nastran with its .op4 and .pch; it and .op4 need the extra `nastran`.
     """
-    return _export_body(load(scene).check_one_run(), body, Path(path), modes)
+    return _export_body(as_scene(scene).check_one_run(), body, Path(path), modes)
 
 
 def _step_of_tools(assembly: Assembly) -> float | None:

@@ -10,7 +10,7 @@ from ..run.progress import Progress, followed
 from ..scene.builder import Names
 from .progress import chosen
 from .quantities import Quantity
-from .simulate import SceneLike, load, options_of
+from .simulate import SceneLike, as_scene, options_of
 
 
 def gradients(
@@ -41,7 +41,7 @@ def gradients(
     FanfoldError where there is no derivative: for whole numbers, and where a small change makes another event happen.
     """
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
-    loaded = load(scene)
+    loaded = as_scene(scene)
     end = options.until or loaded.check().header.until
     wanted = [keys] if isinstance(keys, str) else list(keys)
     with followed(chosen(progress), loaded.name, end) as watch:

@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING
 
 from components.contract.plugins import line_in
 
+from ..analysis.stress.model import scene_tree
 from ..messages import message
 from ..results.result import Result as Record
+from ..scene.layers import data_files
 from ..scene.plugins.loading import load
+from ..scene.plugins.trust import trust_data
 from .warnings import warn
 
 if TYPE_CHECKING:
@@ -26,6 +29,15 @@ def load_plugin(file: str | Path) -> None:
     A file that has changed since is loaded again. FanfoldError with file and line where it cannot be.
     """
     load(str(file))
+
+
+def trust(result: str | Path) -> None:
+    """Let the files of bodies and FMUs that a result names be opened for it, now and later; plugins stay out.
+
+    Files that a scene named in a run on this computer need no trust. ResultError where there is no such result.
+    """
+    tree = scene_tree(Record.open(Path(result)))
+    trust_data(data_files(tree))
 
 
 def figure(name: str) -> Callable[[Draw], Draw]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -126,11 +127,16 @@ class Result(Record):
             import matplotlib.pyplot  # noqa: F401 - makes notebooks show figures
         return draw_one(self, name).figure
 
-    def plot_all(self, folder: str | Path, format: str = "png") -> list[Path]:
-        """Write every figure that the signals allow into a folder; the paths written."""
+    def plot_all(
+        self, folder: str | Path, format: str = "png", watch: Callable[[str], None] | None = None
+    ) -> list[Path]:
+        """Write every figure that the signals allow into a folder; the paths written.
+
+        watch: called with the name of each figure before it is written.
+        """
         from ..views.plots import plot_all
 
-        return plot_all(self, folder, format)
+        return plot_all(self, folder, format, watch)
 
     def to_dataframe(self, components: Names | None = None) -> Any:  # noqa: ANN401 - pandas may be absent
         """Signals as a table (pandas.DataFrame) over time: columns COMPONENT.VARIABLE, of vectors with [1], [2], ...

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from h5py import is_hdf5
 
 from fmus import Backend
 
 from ..cosim.ports import Order
+from ..results.result import ResultError
 from ..run.progress import Progress
 from ..run.run import MasterKind
-from ..run.simulation import Options
+from ..run.simulation import Options, refuse_to_lose
 from ..run.simulation import resume as resume_simulation
 from ..run.simulation import simulate as run_simulation
 from ..scene import list_scenes
@@ -42,17 +45,38 @@ def load(
     scene: SceneLike,
     variant: Names = (),
     settings: Mapping[str, object] | Sequence[Setting] = (),
-) -> Scene:
-    """A scene by its name or file, or one built in code, with variants and single values laid over it.
+    trust: bool = False,
+) -> Any:  # noqa: ANN401 - what a file holds decides
+    """A scene by its name or file, or one built in code, with variants and single values laid over it; or a result.
 
-    variant: one or several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}.
-    SceneError with everything that is wrong with it.
+    scene: the file of a result gives a `Result`, as `Result.open` does, everything else a `Scene`. variant: one or
+    several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}. trust: plugins that a file
+    names may run, now and until they change; without it they run where they did before, or `load_plugin` has loaded
+    them. SceneError with everything that is wrong with a scene, ResultError for a damaged result, or one with variants
+    or settings.
+    """
+    if not isinstance(scene, Scene) and is_hdf5(scene):
+        if variant or settings:
+            raise ResultError(f"{scene}: variants and settings change a scene; leave them out for a result")
+        return Result.open(scene)
+    return as_scene(scene, variant, settings, trust)
+
+
+def as_scene(
+    scene: SceneLike,
+    variant: Names = (),
+    settings: Mapping[str, object] | Sequence[Setting] = (),
+    trust: bool = False,
+) -> Scene:
+    """A scene by its name or file, or one built in code, with variants and single values laid over it; see `load`.
+
+    SceneError with everything that is wrong with it, also where it is a result.
     """
     if isinstance(scene, Scene):
         found = scene.with_variants(*listed(variant)).with_settings(settings)
         found.check()
         return found
-    return Scene.load(scene, variant, settings)
+    return Scene.load(scene, variant, settings, trust)
 
 
 def options_of(
@@ -65,6 +89,38 @@ def options_of(
         large_deformation=frozenset(listed(large_deformation)),
         until=in_si(until, "s", "until"),
         tolerance=in_si(tolerance, "1", "tolerance"),
+    )
+
+
+def run_options(
+    *,
+    rigid: Names = (),
+    flexible: Names = (),
+    large_deformation: Names = (),
+    until: Quantity | None = None,
+    tolerance: float | None = None,
+    step: Quantity | None = None,
+    order: Order | None = None,
+    master: MasterKind = "implicit",
+    backend: Backend | None = None,
+    checkpoint: Quantity | None = None,
+    isolate: bool = False,
+    refine: bool = True,
+    record: Quantity = "all",
+    signals: Names = (),
+) -> Options:
+    """What `simulate` is given of a run."""
+    return replace(
+        options_of(rigid, flexible, large_deformation, until, tolerance),
+        step=in_si(step, "s", "step"),
+        order=order,
+        master=master,
+        backend=backend,
+        checkpoint=in_si(checkpoint, "s", "checkpoint"),
+        refine=refine,
+        isolate=isolate,
+        record=None if record == "all" else in_si(record, "s", "record"),
+        signals=listed(signals),
     )
 
 
@@ -87,6 +143,7 @@ def simulate(
     refine: bool = True,
     record: Quantity = "all",
     signals: Names = (),
+    replace: bool = True,
     progress: bool | Progress | None = None,
 ) -> Result:
     """Deploy a scene and return what happened, in memory or in the file that `save` names.
@@ -100,28 +157,36 @@ def simulate(
     where these are likely to miss the tolerance, run again at a smaller one. record: which rows the result keeps,
     "all" or one in so much time (s) beside those of events and peaks, so that headline numbers stay the same. signals:
     which it keeps beside what headline numbers need, by COMPONENT or COMPONENT.VARIABLE, as patterns such as "hl1_*".
-    progress: a bar, by default in notebooks.
+    replace: an earlier result in the file; if false, only one of the same scene and settings is, and others are a
+    ResultError before the run. progress: a bar, by default in notebooks.
 
     What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
     """
-    loaded = load(scene)
-    options = replace(
-        options_of(rigid, flexible, large_deformation, until, tolerance),
-        step=in_si(step, "s", "step"),
+    checked = as_scene(scene).check_one_run()
+    options = run_options(
+        rigid=rigid,
+        flexible=flexible,
+        large_deformation=large_deformation,
+        until=until,
+        tolerance=tolerance,
+        step=step,
         order=order,
         master=master,
         backend=backend,
-        checkpoint=in_si(checkpoint, "s", "checkpoint"),
-        refine=refine,
+        checkpoint=checkpoint,
         isolate=isolate,
-        record=None if record == "all" else in_si(record, "s", "record"),
-        signals=listed(signals),
+        refine=refine,
+        record=record,
+        signals=signals,
     )
+    path = None if save is None else Path(save)
+    if path is not None and not replace:
+        refuse_to_lose(path, checked, options, estimate)
     found = run_simulation(
-        loaded.check_one_run(),
+        checked,
         options,
-        None if save is None else Path(save),
+        path,
         estimate=estimate,
         progress=chosen(progress),
         warn=warn,
@@ -132,8 +197,8 @@ def simulate(
 def resume(result: str | Path, *, progress: bool | Progress | None = None) -> Result:
     """Go on with an interrupted run from its last checkpoint to its end, in every bit as it would have gone on.
 
-    result: its file, beside which the checkpoint is. RunError where there is none, where it is damaged, or where FMUs
-    or versions are others than those that the run began with.
+    result: its file, beside which the checkpoint is; plugins that it names are loaded by `load_plugin` before. RunError
+    where there is none, where it is damaged, or where FMUs or versions are others than those that the run began with.
     """
     found = resume_simulation(Path(result), progress=chosen(progress), warn=warn)
     return Result.of(found.outcome.result, found)
@@ -157,18 +222,19 @@ def check_scene(
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
+    trust: bool = False,
 ) -> SceneCheck:
     """A scene looked at before it is run: its problems and what is hardly meant, as sentences, and what it is made of.
 
     Problems are also those of variants that are not chosen, which runs do not look at.
     `warnings`, `bodies`, `lines`, `loops` are records, `plot` draws it stowed and deployed. Where there are `problems`
-    there is nothing else. A scene in phases is checked phase by phase, see `Scene.runs`.
+    there is nothing else. trust: see `load`. A scene in phases is checked phase by phase, see `Scene.runs`.
     """
     from ..analysis.scene_check import SceneCheck
     from ..analysis.scene_check import check_scene as look_at
 
     try:
-        chosen = load(scene, variant, settings)
+        chosen = as_scene(scene, variant, settings, trust)
         checked = chosen.check_one_run()
         if problems := chosen.variant_problems():
             raise SceneError(problems)

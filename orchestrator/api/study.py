@@ -20,14 +20,14 @@ from ..messages import message
 from ..results.signal import matches
 from ..scene.builder import Names, listed
 from .quantities import Quantity
-from .simulate import SceneLike, load, options_of
+from .simulate import SceneLike, as_scene, options_of
 from .warnings import warn
 
 
 class Study(Record):
     """What a study found; `study` returns one, `Study.open` reads one.
 
-    `parameters`, `numbers`, `latched` and `signals` are arrays over the samples by name, `units` their units, `failed`
+    `parameters`, `numbers`, `opened` and `signals` are arrays over the samples by name, `units` their units, `failed`
     says which samples did not come to their end, and why.
     """
 
@@ -66,28 +66,31 @@ def study(
     signals: Names = (),
     points: int = 201,
     save: str | Path | None = None,
+    replace: bool = True,
     progress: StudyProgress | None = None,
 ) -> Study:
     """Run a scene many times with values drawn from distributions.
 
     vary: distributions by key, such as {"friction.coefficient": "uniform(0.05, 0.2)"}; a key that ends in * is
     multiplied by what is drawn, keys with commas between get the same. Distributions are uniform, normal,
-    truncated_normal, lognormal, triangular and values. method: "latin-hypercube", "random", "sobol", "sobol-indices",
+    truncated_normal, lognormal, triangular and values; "lognormal(0.15 N.m, 40 %)" has its mean and its coefficient of
+    variation. method: "latin-hypercube", "random", "sobol", "sobol-indices",
     "grid", "one-at-a-time" or "corners", the last two between bounds, or three standard deviations. runs, seed: of
     random methods, which draw the same on every machine. levels: of a grid. workers: processes; cluster: address of a
     Dask scheduler instead. rigid ... tolerance: as for `simulate`. estimate: errors of headline numbers in every run.
     signals: what to keep over time, by patterns of COMPONENT.VARIABLE, at so many points; a FanfoldWarning tells of
     those that nothing matches. save: an HDF5 file, beside which a table (.csv) is written; an interrupted study goes on
-    with `resume_study`.
+    with `resume_study`. replace: an earlier study in that file; if false, only one of the same settings is.
 
     StudyError or SceneError where it cannot begin; samples that fail are kept in `failed`.
     """
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
-    task = Task(load(scene), options, estimate, listed(signals), points)
+    task = Task(as_scene(scene), options, estimate, listed(signals), points)
     _tell_of_unknown_signals(task)
-    found = begin(task, plan, None if save is None else Path(save), workers, cluster, progress or _silent)
+    path = None if save is None else Path(save)
+    found = begin(task, plan, path, workers, cluster, progress or _silent, replace=replace)
     return Study.of_record(found)
 
 
@@ -116,15 +119,21 @@ def _tell_of_unknown_signals(task: Task) -> None:
 
 
 def resume_study(
-    path: str | Path, *, workers: int = 1, cluster: str | None = None, progress: StudyProgress | None = None
+    path: str | Path,
+    *,
+    workers: int = 1,
+    cluster: str | None = None,
+    trust: bool = False,
+    progress: StudyProgress | None = None,
 ) -> Study:
     """Go on with the interrupted study that was to be saved in a file, or open the one that is whole there.
 
+    trust: files of bodies and FMUs that it names may be opened; its plugins are loaded by `load_plugin` before.
     StudyError where there is neither, or where files that its bodies are read from have changed.
     """
     if Path(path).is_file() and not journal_file(Path(path)).is_file():
         return Study.open(path)
-    return Study.of_record(go_on(Path(path), workers, cluster, progress or _silent))
+    return Study.of_record(go_on(Path(path), workers, cluster, progress or _silent, trust))
 
 
 def _silent(_: str, __: int) -> AbstractContextManager[Watch]:

@@ -12,7 +12,7 @@ from ..analysis.sampling.tuning import tune as _tune
 from ..analysis.sampling.varied import varied
 from ..scene.builder import Names
 from .quantities import Quantity
-from .simulate import SceneLike, load, options_of
+from .simulate import SceneLike, as_scene, options_of
 
 
 def tune(
@@ -52,7 +52,7 @@ def tune(
     )
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
     measured = () if curve is None else curves(Path(curve))
-    task = Task(load(scene), options)
+    task = Task(as_scene(scene), options)
     return _tune(
         task, [varied(text) for text in texts], wanted, measured, workers, accuracy, most_runs, watch
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from components import ComponentError, Instance
 from components.contract.component import Vector
-from components.contract.frames import add, rotate, rotation_matrix
+from components.contract.frames import add, rotate, rotation_matrix, with_positive_scalar
 from components.flexible.modal import ModalData
 
 from ..scene.bodies import StartPose, attachments, base_model, body_model, motions, moved, scene_points
@@ -197,7 +197,7 @@ def _piece_part(
     pose = poses[piece.root]
     start: dict[str, Any] = {
         "initial_position": pose.position,
-        "initial_orientation": pose.orientation,
+        "initial_orientation": with_positive_scalar(pose.orientation),
         "gravity": scene.header.gravity,
     }
     if piece.root in bodies:
@@ -252,7 +252,7 @@ def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion, poses: Mappi
         **motion.model_dump(),
         "ports": _frame_ports(scene, piece),
         "position": frame.position,
-        "orientation": frame.orientation,
+        "orientation": with_positive_scalar(frame.orientation),
         "is_base": piece.root == scene.base.name,
     }
     return Part(piece.root, "moving_base", structure, {})

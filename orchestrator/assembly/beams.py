@@ -13,6 +13,7 @@ from components.beam_parts.variables import Section
 from components.body import Body as ModalBody
 from components.catalogue import BodyDefinition
 from components.contract.component import Vector
+from components.contract.frames import with_positive_scalar
 from components.flexible.modal import ModalData, default_damping
 from components.flexible.reduction import free_frequencies
 
@@ -48,7 +49,7 @@ def beam_part(
     pose = poses[piece.root]
     start: dict[str, float | tuple[float, ...]] = {
         "initial_position": pose.position,
-        "initial_orientation": pose.orientation,
+        "initial_orientation": with_positive_scalar(pose.orientation),
         "gravity": scene.header.gravity,
         "stiffness_damping": body.damping_scale * _damping_time(body, definition, scene.structural_damping),
     }

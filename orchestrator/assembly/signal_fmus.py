@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite
+from math import isclose, isfinite
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -14,8 +14,9 @@ from fmpy import read_model_description
 
 from components import LAGGED, ComponentError, FanfoldError
 from components.contract.errors import unknown
+from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member, folder_here
-from fmus.description.units import base_unit
+from fmus.description.units import base_unit, has_root
 
 from ..scene.schema import SMALLEST_STEP, CheckedScene
 from ..scene.signals.tables import Fmu
@@ -28,6 +29,8 @@ _NUMBERS = ("Real", "Float64", "Float32")
 _WHOLE = ("Integer", "Enumeration", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 """Exponents that must agree; angles are ratios as well."""
+_FACTOR = 1e-6
+"""By which factors of one unit may differ: those of angles are written with seven digits."""
 MEETS_RATES = "base_meets_rates"
 """Parameter of a scene as one FMU with a driven base."""
 _ANGLE = re.compile(r"rad|deg|grad|°|gon|arc", re.IGNORECASE)
@@ -274,14 +277,22 @@ class _Reader:
         A variable without a unit is taken to be in that of the scene's components.
         """
         said = _unit(variable)
-        if not said or said == unit:
+        if not said:
             return 1.0, 0.0
         base = self._units.get(said)
+        if said == unit:
+            _refuse_redefined(unit, base)
+            return 1.0, 0.0
         try:
             ours, our_factor = base_unit(unit)
             if base is not None:
                 theirs = {name: getattr(base, name) for name in _BASE}
-                factor, offset = float(base.factor or 1.0), float(base.offset or 0.0)
+                factor, offset = float(base.factor), float(base.offset)
+                if not (isfinite(factor) and factor and isfinite(offset)):
+                    raise ValueError(
+                        f"is in {said}, which the FMU defines by a factor of {factor:g} and an offset of {offset:g}; "
+                        "it cannot be converted"
+                    )
                 theirs["rad"] = getattr(base, "rad", None)
             else:
                 theirs, factor = base_unit(said)
@@ -300,6 +311,24 @@ class _Reader:
         return factor / our_factor, 0.0 if variable.name in self._differences else offset / our_factor
 
 
+def _refuse_redefined(unit: str, base: Any) -> None:  # noqa: ANN401 - of FMPy
+    """ValueError where an FMU defines a unit of our name as another; a definition without a number says nothing."""
+    if base is None or has_root(unit):
+        return
+    ours, factor = base_unit(unit)
+    theirs = {name: getattr(base, name) or 0 for name in _BASE}
+    said = float(base.factor), float(base.offset)
+    if said == (1.0, 0.0) and not any(theirs.values()):
+        return
+    alike = all(theirs[name] == ours.get(name, 0) for name in _BASE)
+    if not (alike and isclose(said[0], factor, rel_tol=_FACTOR) and said[1] == 0.0):
+        powers = ".".join(f"{name}{power}" for name, power in theirs.items() if power) or "1"
+        raise ValueError(
+            f"is in {unit}, which the FMU defines as {said[0]:g} {powers} with an offset of {said[1]:g}; correct the "
+            "definition, or call the unit by another name"
+        )
+
+
 def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy
     """Unit of a variable, its own or that of the type that it is declared to have; none as an empty text."""
     return variable.unit or getattr(variable.declaredType, "unit", None) or ""
@@ -312,6 +341,8 @@ def _says_unit(variable: Any) -> bool:  # noqa: ANN401 - of FMPy
 
 def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     """The model description; _NoFmuError where there is none, or where it is of another kind of FMU."""
+    if problems := list(archive_problems(path)):
+        raise _NoFmuError(f"cannot be read as an FMU: {problems[0]}")
     try:
         found = read_model_description(str(path), validate=False)
     except Exception as error:
@@ -320,9 +351,14 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
         raise _NoFmuError(f"is of FMI {found.fmiVersion}; 2.0 and 3.0 can take part")
     if found.coSimulation is None:
         raise _NoFmuError("is no co-simulation FMU; export it as one")
+    identifier = found.coSimulation.modelIdentifier
+    if re.search(r"[/\\]", identifier):
+        raise _NoFmuError(
+            f"has the model identifier {identifier!r}; it names functions of C, and has no slashes"
+        )
     with zipfile.ZipFile(path) as archive:
         members = archive.namelist()
-    if binary_member(found.fmiVersion, found.coSimulation.modelIdentifier) not in members:
+    if binary_member(found.fmiVersion, identifier) not in members:
         others = sorted({name.split("/")[1] for name in members if re.match(r"binaries/[^/]+/.", name)})
         has = f"only for {', '.join(others)}" if others else "nor for any other"
         raise _NoFmuError(f"has no binary for this platform, {folder_here(found.fmiVersion)}, {has}")
@@ -331,8 +367,11 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
 
 def _differences(path: Path, variables: Mapping[str, Any]) -> frozenset[str]:
     """Variables that are differences (relativeQuantity), whose units have no offset; FMPy reads that of types only."""
-    with zipfile.ZipFile(path) as archive:
-        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    try:
+        with zipfile.ZipFile(path) as archive:
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    except Exception as error:  # encodings that the parser of the standard library does not know
+        raise _NoFmuError(f"cannot be read as an FMU: {error}") from None
     said: dict[str | None, str | None] = {}
     for entry in root.iterfind("ModelVariables/*"):
         real = entry.find("Real")

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 @scene_options
 @large_deformation_option
 @click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the picture of a scene."
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for the picture of a scene.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, of a scene.")
 @click.option("--run/--no-run", default=True, help="Whether FMUs make two steps, in a process of their own.")
@@ -36,6 +39,7 @@ def command(
     output: Path | None,
     as_json: bool,
     run: bool,
+    trust: bool,
 ) -> None:
     """Check a SCENE without running it, or FMUs: files that end with .fmu; exit code 1 if there is any problem.
 
@@ -48,7 +52,7 @@ def command(
         sys.exit(1 if _check_fmus(fmus, run) else 0)
     if len(what) > 1:
         raise click.UsageError("give one scene, or FMUs only")
-    choice = SceneChoice(what[0], variants, settings, rigid, flexible)
+    choice = SceneChoice(what[0], variants, settings, rigid, flexible, trust)
     sys.exit(1 if _check_scene(choice, large_deformation, output, as_json) else 0)
 
 

@@ -46,7 +46,9 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
 @click.command("compare")
 @click.argument("a", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.argument("b", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option("--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
     """Set result B against result A: table of peaks and shifts in time, overlays."""

@@ -10,6 +10,7 @@ import click
 
 import orchestrator as fanfold
 
+from .progress import working
 from .types import OutputFile
 
 
@@ -18,7 +19,10 @@ from .types import OutputFile
     "--browser/--no-browser", default=True, help="Whether the first page is opened, or its path only told."
 )
 @click.option(
+    "-o",
     "--out",
+    "--output",
+    "out",
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder of the pages; by default beside the cache.",
 )
@@ -37,7 +41,8 @@ def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schem
         schema.write_text(f"{text}\n", encoding="utf-8")
         click.echo(schema)
         return
-    page = fanfold.docs(out, gallery=gallery, rebuild=rebuild)
+    with working("docs"):
+        page = fanfold.docs(out, gallery=gallery, rebuild=rebuild)
     click.echo(page)
     if browser:
         webbrowser.open(page.resolve().as_uri())

@@ -15,7 +15,7 @@ from .options import (
     large_deformation_option,
     layered_scene,
     ordered_names,
-    plugin_option,
+    result_options,
     scene_choice,
 )
 from .types import Count, Number, OutputFile, Seconds
@@ -102,6 +102,8 @@ def command(
         )
     for path in paths:
         click.echo(path)
+    if not platforms and backend != "python" and (needs := _needs()):
+        click.echo(needs, err=True)
     if wrench_mode != "mean" and not as_one:
         from fmpy import read_model_description
 
@@ -109,6 +111,21 @@ def command(
             click.echo(
                 f"advised communication step: {float(step):g} s, for tools that do not iterate", err=True
             )
+
+
+def _needs() -> str:
+    """A line on the C library that native FMUs from here need; empty where they need none of GNU, or there are none."""
+    from fmus import PLATFORMS, native_library
+    from fmus.binary import glibc_of
+    from fmus.description.binaries import folder_here
+
+    library = native_library()
+    version = None if library is None else glibc_of(library.read_bytes())
+    if version is None:
+        return ""
+    here = [name for name, platform in PLATFORMS.items() if platform.folder3 == folder_here("3.0")]
+    older = "".join(f"; --platforms {name} for 2.17" for name in here)
+    return f"binary of this machine: glibc {version[0]}.{version[1]} or newer{older}"
 
 
 @click.command("export-body")
@@ -154,7 +171,7 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
     help="csv, mat: rows at equal spacing, linear between recorded ones; by default these.",
 )  # fmt: skip
 @click.option("--replace", is_flag=True, help="Replace what is there already.")
-@plugin_option
+@result_options
 def view_command(result: Path, output: Path, no_stress: bool, **options: Any) -> None:  # noqa: ANN401
     """Write RESULT for other programs: animated bodies (glb), fields (vtu), a table (csv), MATLAB (mat)."""
     for path in fanfold.export_view(result, output, stress=False if no_stress else None, **options):

@@ -1,4 +1,4 @@
-"""`fanfold list`: what comes with Fanfold, and the keys, ports and signals of a component."""
+"""`fanfold list`: built-in scenes, components with their keys, ports and signals, tables of scene files."""
 
 from __future__ import annotations
 
@@ -17,22 +17,88 @@ if TYPE_CHECKING:
 
     from components import Component, Quantity
 
+    from ..scene.keys.listing import KeyTable
+
 
 @click.command("list")
-@click.argument("component", required=False)
+@click.argument("name", required=False)
+@click.option(
+    "--names",
+    is_flag=True,
+    help="Only scenes with their variants, one line each, as arguments of `fanfold run`.",
+)
 @plugin_option
-def command(component: str | None) -> None:
-    """Scenes that come with Fanfold and components, or of a COMPONENT its keys, ports and recorded signals."""
+def command(name: str | None, names: bool) -> None:
+    """List scenes and components, or show the keys of NAME.
+
+    NAME is a component, a table of scene files such as hinge_line, latch or panel, or `distributions` of studies.
+    """
     from components import REGISTRY
 
-    if component is None:
+    if names:
+        if name is not None:
+            raise click.UsageError("--names lists all scenes; leave NAME out")
+        _list_names()
+    elif name is None:
         _list_all()
-    elif component in REGISTRY:
-        _describe(REGISTRY[component])
     else:
-        raise click.BadParameter(
-            f"there is no component {component!r}; components are {', '.join(sorted(REGISTRY))}"
-        )
+        from ..scene.keys.listing import key_tables, tables_called
+
+        component, tables = REGISTRY.get(name), tables_called(name)
+        if component is not None:
+            _describe(component)
+        for table in tables:
+            _print_table(table)
+        if name == _DISTRIBUTIONS:
+            _print_distributions()
+        elif component is None and not tables:
+            from components.contract.errors import unknown
+
+            known = {*REGISTRY, _DISTRIBUTIONS, *(one.place.rpartition(".")[2] for one in key_tables()[1:])}
+            sentence = unknown(name, sorted(known), "name")
+            raise click.BadParameter(f"{name!r} {sentence}")
+
+
+_DISTRIBUTIONS = "distributions"
+
+
+def _list_names() -> None:
+    for name in fanfold.scenes():
+        click.echo(name)
+        for variant in fanfold.load(name).variants:
+            click.echo(f"{name} --variant {variant}")
+
+
+def _print_distributions() -> None:
+    """Distributions of `fanfold study` with their numbers."""
+    from ..analysis.sampling.distributions import FORMS
+    from .tables import plain_table, terminal
+
+    table = plain_table("distributions of `fanfold study --vary KEY=DISTRIBUTION`")
+    table.add_column("distribution", no_wrap=True)
+    table.add_column("meaning")
+    for form, meaning in FORMS.values():
+        table.add_row(form, meaning)
+    terminal().print(table, markup=False)
+
+
+def _print_table(table: KeyTable) -> None:
+    """Keys of a table of scene files with unit, default and meaning, and an example."""
+    from .tables import plain_table, terminal
+
+    console = terminal()
+    heading = f"[[{table.place}]]" if table.array else f"[{table.place}]"
+    meaning = " ".join(table.meaning.split())
+    console.print(f"{heading} in scene files: {meaning}\n", markup=False, highlight=False)
+    keys = plain_table("keys")
+    keys.add_column("key", no_wrap=True)
+    for column in ("unit", "default", "meaning"):
+        keys.add_column(column, overflow="fold")
+    for key in table.keys:
+        cells = (key.unit, key.default, f"{key.meaning} ({key.value}{key.table and f' {key.table}'})")
+        keys.add_row(key.name, *(cell.replace("`", "") for cell in cells))
+    console.print(keys, markup=False)
+    console.print(f"example:\n\n{table.example}\n", markup=False, highlight=False)
 
 
 def _list_all() -> None:
@@ -53,7 +119,9 @@ def _list_all() -> None:
     console = terminal()
     console.print(scenes)
     console.print(kinds)
-    console.print("fanfold list COMPONENT tells its keys, ports and recorded signals")
+    console.print(
+        "`fanfold list NAME` shows the keys of a component or of a table of scene files, such as latch"
+    )
 
 
 def _describe(kind: type[Component]) -> None:

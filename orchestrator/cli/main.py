@@ -19,7 +19,6 @@ import orchestrator as fanfold
 from ..run.progress import ended_like_ctrl_c
 from . import analyse, cache, check, compare, docs, export, listing, plot, report, run, study, tune
 
-_INTERRUPTED = "interrupted; what it wrote up to there stays"
 _OF_CLICK = (click.ClickException, click.exceptions.Exit, click.Abort)
 
 
@@ -39,14 +38,24 @@ class _Group(click.Group):
         except OSError as error:
             problem = _told_of_files(error)
         except KeyboardInterrupt:  # outside of a run, which says itself how far it came
-            problem = f"{ctx.invoked_subcommand}: {_INTERRUPTED}"
+            problem = f"{ctx.invoked_subcommand}: interrupted"
         except Exception as error:
-            if not isinstance(error, fanfold.FanfoldError):
+            if _was_interrupted(error):
+                problem = f"{ctx.invoked_subcommand}: interrupted"
+            elif isinstance(error, fanfold.FanfoldError):
+                problem = str(error)
+            else:
                 raise
-            problem = str(error)
         for line in problem.splitlines():
             click.echo(f"fanfold: {line}", err=True)
         ctx.exit(1)
+
+
+def _was_interrupted(error: BaseException | None) -> bool:
+    """Whether an interruption caused an error: compiled libraries that are loading raise ImportError for it."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ if isinstance(error, ImportError) else None
+    return error is not None
 
 
 def _told_of_files(error: OSError) -> str:
@@ -94,7 +103,7 @@ class _Analyses(click.Group):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            raise fanfold.FanfoldError(f"analyse {ctx.invoked_subcommand}: {_INTERRUPTED}") from None
+            raise fanfold.FanfoldError(f"analyse {ctx.invoked_subcommand}: interrupted") from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of the analyses."""

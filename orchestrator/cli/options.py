@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
-from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypedDict, TypeVar
 
 import click
 from click.core import ParameterSource
@@ -39,6 +39,8 @@ class SceneChoice:
     """in order, each such as body.panel.fixed_interface_modes=5"""
     rigid: frozenset[str] = frozenset()
     flexible: frozenset[str] = frozenset()
+    trust: bool = False
+    """whether its plugins may run"""
 
     @property
     def fidelities(self) -> Fidelities:
@@ -47,7 +49,9 @@ class SceneChoice:
 
     def load(self) -> Scene:
         """The scene with its layers."""
-        return fanfold.load(self.scene, self.variants, self.settings)
+        from ..api.simulate import as_scene  # takes its time, which --help need not
+
+        return as_scene(self.scene, self.variants, self.settings, self.trust)
 
 
 def ordered_names(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
@@ -70,10 +74,11 @@ def layered_scene(command: Callable[Concatenate[SceneChoice, Others], None]) -> 
         settings: tuple[str, ...],
         rigid: frozenset[str] = frozenset(),
         flexible: frozenset[str] = frozenset(),
+        trust: bool = False,
         *args: Others.args,
         **kwargs: Others.kwargs,
     ) -> None:
-        command(SceneChoice(scene, variants, settings, rigid, flexible), *args, **kwargs)
+        command(SceneChoice(scene, variants, settings, rigid, flexible, trust), *args, **kwargs)
 
     return click.argument("scene")(_layer_options(with_choice))
 
@@ -94,6 +99,11 @@ def _layer_options(command: Command) -> Command:
         help="Lay one value over the scene, such as body.panel.fixed_interface_modes=5 or 'hinge_line.HL.start_angle="
         "90 deg'; plain numbers are SI, as in scene files; repeatable.",
     )(command)  # fmt: skip
+    command = plugin_option(
+        click.option("--trust", is_flag=True, help="Let plugins of the scene run, until they change.")(
+            command
+        )
+    )
     text = "Variants of the scene, with commas between, in order."
     return click.option(
         "--variant", "variants", multiple=True, callback=ordered_names, metavar="NAMES", help=text
@@ -115,8 +125,28 @@ def large_deformation_option(command: Command) -> Command:
     )(command)  # fmt: skip
 
 
+def result_options(command: Callable[..., None]) -> Callable[..., None]:
+    """What a command may do with files that its `result`, and `others`, name."""
+
+    @wraps(command)
+    def trusting(trust: bool, **kwargs: Any) -> None:  # noqa: ANN401
+        for result in (kwargs["result"], *kwargs.get("others", ())) if trust else ():
+            fanfold.trust(result)
+        command(**kwargs)
+
+    text = "Open the files of bodies and FMUs that the result names; remembered."
+    return plugin_option(click.option("--trust", is_flag=True, help=text)(trusting))
+
+
+def replace_option(command: Command) -> Command:
+    """The option of commands whose file is kept from one of other settings."""
+    return click.option(
+        "--replace", is_flag=True, help="Replace what is there, even if it was made with other settings."
+    )(command)
+
+
 def plugin_option(command: Command) -> Command:
-    """The option of commands that take no scene, which names its plugins itself."""
+    """The option that loads plugins, before anything else."""
 
     def load_each(_: click.Context, __: click.Parameter, files: tuple[str, ...]) -> tuple[str, ...]:
         for file in files:

@@ -1,7 +1,8 @@
-"""The progress bar of a run."""
+"""Progress bars: of a run, and of work whose length nobody knows before."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
@@ -34,3 +35,21 @@ def progress(name: str, end: float) -> Iterator[Callable[[float, float], None]]:
             bar.update(task, completed=time, h=h, factor=time / max(perf_counter() - start, 1e-9))
 
         yield watch
+
+
+@contextmanager
+def working(name: str) -> Iterator[Callable[[str], None]]:
+    """A moving bar on standard error with the elapsed time, gone when the work is done; yields what names its part."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[part]}"),
+    )
+    console = Console(file=sys.stderr)  # this one, also while Sphinx has the output of pages in its place
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(name, total=None, part="")
+        yield lambda part: bar.update(task, part=part)

@@ -8,7 +8,8 @@ import click
 
 import orchestrator as fanfold
 
-from .options import plugin_option
+from .options import result_options
+from .progress import working
 from .types import OutputFile
 
 
@@ -18,12 +19,14 @@ from .types import OutputFile
     "--with", "others", type=click.Path(path_type=Path, exists=True, dir_okay=False), multiple=True,
     help="Another result to set against it; repeatable.",
 )  # fmt: skip
-@click.option("--output", type=OutputFile(), help="HTML file.")
+@click.option("-o", "--output", type=OutputFile(), help="HTML file.")
 @click.option(
     "--frames", "count", type=click.IntRange(min=0, max=300), default=6, show_default=True,
     help="Still pictures for browsers without WebGL2; 0 for nothing that plays either.",
 )  # fmt: skip
-@plugin_option
+@result_options
 def command(result: Path, others: tuple[Path, ...], output: Path | None, count: int) -> None:
     """Write RESULT as one HTML file with everything inside."""
-    click.echo(fanfold.report(result, output, others, count))
+    with working("report"):
+        path = fanfold.report(result, output, others, count)
+    click.echo(path)

@@ -6,13 +6,21 @@ import json
 import shlex
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, backend_option, large_deformation_option, ordered_names, scene_choice
+from .options import (
+    SceneChoice,
+    backend_option,
+    large_deformation_option,
+    ordered_names,
+    replace_option,
+    result_options,
+    scene_choice,
+)
 from .progress import progress
 from .types import Number, OutputFile, Seconds, Spacing
 
@@ -38,7 +46,12 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @backend_option
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
 @click.option("--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time in seconds.")
-@click.option("--output", type=OutputFile(), help="Result file (HDF5).")
+@click.option(
+    "-o", "--output", type=OutputFile(),
+    help="Result file (HDF5), by default SCENE.h5, or SCENE.rigid.h5, SCENE.mixed.h5 where bodies are not as the scene "
+    "says.",
+)  # fmt: skip
+@replace_option
 @click.option(
     "--step", type=Seconds(min=1e-7), metavar="SECONDS", help="Fixed communication step size in seconds."
 )
@@ -84,6 +97,7 @@ def command(
     tolerance: float | None,
     until: float | None,
     output: Path | None,
+    replace: bool,
     step: float | None,
     order: str,
     master: MasterKind,
@@ -106,34 +120,42 @@ def command(
         raise click.UsageError("--verify extrapolates runs of the implicit master; leave --master out")
     if master != "implicit" and step is None:
         raise click.UsageError("an explicit master needs a --step that is stable; for rigid wings try 2e-5 s")
-    from ..run.simulation import phase_file, result_file  # takes its time, which --help need not
+    from ..api.simulate import run_options  # takes its time, which --help need not
+    from ..run.simulation import fidelity_word, phase_file, refuse_to_lose, result_file
 
     runs = choice.load().runs
     if until is not None and len(runs) > 1:
         raise click.UsageError(
             f"--until is the end of one run; choose a phase with --variant: {', '.join(runs)}"
         )
+    asked: dict[str, Any] = {
+        **choice.fidelities,
+        "large_deformation": large_deformation,
+        "until": until,
+        "tolerance": tolerance,
+        "step": step,
+        "order": _ORDERS[order],
+        "master": master,
+        "backend": backend,
+        "checkpoint": checkpoint,
+        "isolate": isolate,
+        "refine": refine,
+        "record": "all" if record is None else record,
+        "signals": signals,
+    }
+    fidelity = fidelity_word(**choice.fidelities, large_deformation=large_deformation)
+    paths = {
+        phase: phase_file(output, phase) if output else result_file(scene.name, scene.chosen, fidelity)
+        for phase, scene in runs.items()
+    }
+    if not replace:  # of all phases before the first
+        for phase, scene in runs.items():
+            refuse_to_lose(paths[phase], scene.check_one_run(), run_options(**asked), with_estimate)
     contents: dict[str, dict[str, object]] = {}
     opened = True
     for phase, scene in runs.items():
         result = fanfold.simulate(
-            scene,
-            **choice.fidelities,
-            large_deformation=large_deformation,
-            until=until,
-            tolerance=tolerance,
-            step=step,
-            order=_ORDERS[order],
-            master=master,
-            backend=backend,
-            save=phase_file(output, phase) if output else result_file(scene.name, scene.chosen),
-            checkpoint=checkpoint,
-            isolate=isolate,
-            estimate=with_estimate,
-            refine=refine,
-            record="all" if record is None else record,
-            signals=signals,
-            progress=progress,
+            scene, **asked, estimate=with_estimate, save=paths[phase], progress=progress
         )
         verified = result.verify(progress) if with_verify else None
         contents[phase] = content(result, verified)
@@ -158,6 +180,7 @@ def content(result: Result, verified: list[Verified] | None) -> dict[str, object
 @click.argument("result", type=click.Path(path_type=Path, dir_okay=False))
 @every_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@result_options
 def resume_command(result: Path, every: bool, as_json: bool) -> None:
     """Go on with the interrupted run of RESULT from its last checkpoint, in every bit as it would have gone on.
 

@@ -5,14 +5,22 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import floor, log10
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, large_deformation_option, ordered_names, refuse_idle, scene_choice
+from .options import (
+    SceneChoice,
+    large_deformation_option,
+    ordered_names,
+    refuse_idle,
+    replace_option,
+    scene_choice,
+)
 from .types import Number, OutputFile, Seconds
 
 if TYPE_CHECKING:
@@ -23,7 +31,10 @@ if TYPE_CHECKING:
 
 _METHODS = ("latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time", "corners")
 _LINES = 12
-"""Failed samples that are told of one by one."""
+"""Failed samples that are listed one by one."""
+_SENSITIVE = "most sensitive to"
+_LEAST_ROOM = 20
+"""Columns that the end of a key takes in any table."""
 
 
 @click.command("study")
@@ -32,7 +43,8 @@ _LINES = 12
 @click.option(
     "--vary", multiple=True, metavar="KEY=DISTRIBUTION",
     help="What is drawn, such as 'friction.coefficient=uniform(0.05, 0.2)'; 'KEY*=normal(1, 0.03)' multiplies, "
-    "keys with commas between get the same; repeatable.",
+    "keys with commas between get the same; repeatable. A lognormal has its mean and coefficient of variation, as in "
+    "'lognormal(0.15 N.m, 40 %)'; `fanfold list distributions` lists all.",
 )  # fmt: skip
 @click.option("--method", type=click.Choice(_METHODS), default=_METHODS[0], show_default=True)
 @click.option(
@@ -59,7 +71,13 @@ _LINES = 12
 @click.option(
     "--points", type=click.IntRange(min=2), default=201, show_default=True, help="Times of signals."
 )
-@click.option("--output", type=OutputFile(), help="File of the study (HDF5), by default SCENE.study.h5.")
+@click.option(
+    "-o",
+    "--output",
+    type=OutputFile(),
+    help="File of the study (HDF5), by default SCENE.study.h5, or SCENE.rigid.study.h5, as for `fanfold run`.",
+)
+@replace_option
 @click.option("--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -78,6 +96,7 @@ def command(
     signals: tuple[str, ...],
     points: int,
     output: Path | None,
+    replace: bool,
     plot: Path | None,
     as_json: bool,
 ) -> None:
@@ -88,14 +107,19 @@ def command(
     """
     refuse_idle("--points", "--signals")
     refuse_idle("--levels", "--method")
+    from ..run.simulation import fidelity_word, result_file  # takes its time, which --help need not
+
     if choice.scene.endswith(".h5"):
         if vary or choice.variants or choice.settings:
             raise click.UsageError("a study that goes on is what it was; give no --vary, --variant or --set")
         path = Path(choice.scene)
-        found = fanfold.resume_study(path, workers=workers, cluster=cluster, progress=samples_bar)
+        found = fanfold.resume_study(
+            path, workers=workers, cluster=cluster, trust=choice.trust, progress=samples_bar
+        )
     else:
         scene = choice.load()
-        path = output or Path(".".join((scene.name, *scene.chosen, "study.h5")))
+        fidelity = fidelity_word(**choice.fidelities, large_deformation=large_deformation)
+        path = output or result_file(scene.name, scene.chosen, fidelity, "study.h5")
         found = fanfold.study(
             scene,
             vary,
@@ -113,6 +137,7 @@ def command(
             signals=signals,
             points=points,
             save=path,
+            replace=replace,
             progress=samples_bar,
         )
     pictures = found.plot_all(plot) if plot else []
@@ -154,7 +179,8 @@ def _content(study: Study) -> dict[str, object]:
         "influence": {
             name: _influence(moved) for name in study.numbers if (moved := study.influence(name)) is not None
         },
-        "not_latching": {line: share._asdict() for line, share in study.not_latching().items()},
+        "wing_not_opening": wing._asdict() if (wing := study.wing_not_opening()) is not None else None,
+        "not_opening": {line: share._asdict() for line, share in study.not_opening().items()},
         "output": str(study.path),
     }
 
@@ -180,15 +206,12 @@ def _report(study: Study, pictures: list[Path]) -> None:
     from .tables import terminal
 
     console = terminal()
-    console.print(_table(study))
+    console.print(_table(study, console.width))
     if (shares := _shares(study)) is not None:
         console.print(shares)
         console.print(f"estimated from {study.plan.runs} base samples; more --runs make these shares surer")
-    for line, share in study.not_latching().items():
-        told = f"{line} does not latch in {share.samples} of {share.among} samples"
-        if study.plan.is_random:
-            told += f"; probability between {share.low:.2%} and {share.high:.2%} at 95 % confidence"
-        console.print(told)
+    for sentence in _opening(study):
+        console.print(sentence, highlight=False)
     failed = list(study.failed.items())
     for index, message in failed[:_LINES]:
         console.print(f"sample {index} failed: {message}")
@@ -198,6 +221,41 @@ def _report(study: Study, pictures: list[Path]) -> None:
     console.print(f"study in {study.path}, table of samples in {study.path.with_suffix('.csv')}")
     if pictures:
         console.print(f"figures: {', '.join(str(one) for one in pictures)}")
+
+
+def _opening(study: Study) -> Iterator[str]:
+    """In how many runs the wing opens, what that bounds, lines that fail, and how many runs lower bounds take."""
+    from ..analysis.sampling.study import runs_for
+
+    wing = study.wing_not_opening()
+    if wing is None:
+        return
+    confidence = f"; failure probability below {_percent(wing.below)} (95 % confidence)"
+    whole = f"The wing opens fully in {wing.among - wing.samples} of {wing.among} runs"
+    yield f"{whole}{confidence if study.plan.is_random else ''}."
+    for line, share in study.not_opening().items():
+        if share.samples:
+            interval = (
+                f"; failure probability {_percent(share.low)} to {_percent(share.high)} (95 % confidence)"
+            )
+            failures = f"{line} does not open in {share.samples} of {share.among} runs"
+            yield f"{failures}{interval if study.plan.is_random else ''}."
+    if study.plan.is_random and not wing.samples:
+        decade = floor(log10(wing.below))
+        wanted = ((10.0**power, runs_for(10.0**power)) for power in (decade, decade - 1))
+        yield " ".join(
+            f"A bound of {_percent(bound)} takes {runs:,} runs without a failure." for bound, runs in wanted
+        )
+
+
+def _percent(share: float) -> str:
+    """In percent with two digits, such as 1.5 %."""
+    return f"{float(f'{100.0 * share:.2g}'):g} %"
+
+
+def _tail(name: str, room: int) -> str:
+    """The end of a long name, which says most."""
+    return name if len(name) <= room else f"…{name[len(name) - room + 1 :]}"
 
 
 def _shares(study: Study) -> Table | None:
@@ -218,24 +276,29 @@ def _shares(study: Study) -> Table | None:
     return table if table.row_count else None
 
 
-def _table(study: Study) -> Table:
-    from rich.table import Table
+def _table(study: Study, width: int) -> Table:
+    """Headline numbers in at most so many columns, each with the key that it is most sensitive to."""
+    from .tables import plain_table
 
-    runs = int(study.finished.sum())
-    table = Table(title=f"{study.scene}: {runs} runs, {', '.join(study.parameters)}")
-    table.add_column("number")
     # designs of worst cases have no quantiles, but a worst case
-    headings = (
-        ("5 %", "median", "95 %") if study.plan.is_random else ("lowest", "sample", "highest", "sample")
-    )
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("unit")
-    table.add_column("moved most by")
+    spread = ("5 %", "median", "95 %") if study.plan.is_random else ("lowest", "sample", "highest", "sample")
+    headings = ("number", *spread, "unit", _SENSITIVE)
+    rows = []
     for name in study.main_numbers:
         moved = study.influence(name)
         first = moved.ranked[0] if moved is not None and moved.changes else ""
-        table.add_row(name, *_spread(study, name), study.units[name], first)
+        rows.append((name, *_spread(study, name), study.units[name], first))
+    widths = [
+        max(map(len, column)) for column in zip(headings[:-1], *(row[:-1] for row in rows), strict=True)
+    ]
+    room = max(_LEAST_ROOM, width - sum(widths) - 2 * len(headings))
+    runs = int(study.finished.sum())
+    table = plain_table(f"{study.scene}: {runs} runs, {', '.join(study.parameters)}")
+    for heading in headings:
+        justify: Literal["left", "right"] = "right" if heading in spread else "left"
+        table.add_column(heading, justify=justify, no_wrap=heading != "number")
+    for row in rows:
+        table.add_row(*row[:-1], _tail(row[-1], room))
     return table
 
 

@@ -37,6 +37,7 @@ from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
 
 from components import Layout
 from components.cache.temporary import process_folder
+from components.contract.errors import shortened
 from fmus.binary import cut_short
 
 from .isolation.process import LONGEST_CALL, IsolatedFmu
@@ -295,7 +296,7 @@ class FmuParticipant:
 
     def _log(self, environment: Any, instance: Any, status: int, category: Any, message: bytes) -> None:  # noqa: ANN401
         if category is not None:
-            self._messages.append(message.decode("utf-8", "replace").strip())
+            self._messages.append(shortened(message.decode("utf-8", "replace").strip()))
 
     def check(self, status: int, action: str) -> None:
         """ParticipantError with the FMU's own words when a call could not do what it should."""

@@ -372,6 +372,8 @@ class Master(CoSimulation):
         if line.kinematic:
             # a lock would ring with the rate that an impulse leaves
             passed += [*self._impulse(), *self._impulse(AGAIN)]
+            # joints without their rates and no lock yet, and a lock that still moves, are states of no wing
+            self._record(AGAIN, 0)
         elif self.settings.fixed_step is None:
             self._record_jump(self._instant(size), self.solver.forget_all, roughness)
         self.solver.restart()
@@ -471,9 +473,7 @@ class Master(CoSimulation):
             self._save()
         self._command(IMPULSE.name, 0.0)
         self.solver.forget()
-        if solution.converged:
-            self._observe(0.0)
-            self._record(h, solution.iterations)
+        self._observe()
         return passed
 
     def _save(self) -> None:

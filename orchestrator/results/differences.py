@@ -69,19 +69,19 @@ def _asked_for(result: Result) -> dict[str, str]:
         found[fidelity] = ", ".join(map(str, names)) or "none" if isinstance(names, list) else ""
     found |= {name: known[name] for name in _SETTINGS if name in known}
     tree = json_of(known.get("scene_tree", "{}"))
-    found |= {key: text for key, text in _leaves("", tree) if key not in _DESCRIPTIVE}
+    found |= {key: text for key, text in leaves("", tree) if key not in _DESCRIPTIVE}
     return {
         key: text for key, text in found.items() if not key.startswith("scene.") or key[6:] not in _SETTINGS
     }
 
 
-def _leaves(key: str, value: object) -> Iterator[tuple[str, str]]:
+def leaves(key: str, value: object) -> Iterator[tuple[str, str]]:
     """Texts of all values of a tree by their dotted keys; entries of arrays by name."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
-            yield from _leaves(f"{key}.{name}" if key else str(name), inner)
+            yield from leaves(f"{key}.{name}" if key else str(name), inner)
     elif isinstance(value, list) and value and all(isinstance(entry, Mapping) for entry in value):
         for k, entry in enumerate(value):
-            yield from _leaves(f"{key}.{entry.get('name', k)}", entry)
+            yield from leaves(f"{key}.{entry.get('name', k)}", entry)
     else:
         yield key, value if isinstance(value, str) else json.dumps(value)

@@ -86,6 +86,10 @@ class Number(NamedTuple):
         return {"value": self.value, "unit": self.unit, "estimated_error": self.error}
 
 
+UNLATCHED = "angle, not latched"
+"""Headline number of a line with a latch that has not latched."""
+
+
 @dataclass(frozen=True)
 class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
@@ -265,7 +269,7 @@ class Headline:
         for line, energy in self.latch_energies.items():
             yield Number("latch energy", line, energy, "J")
         for line, angle in self.unlatched_angles.items():
-            yield Number("angle, not latched", line, angle, "rad")
+            yield Number(UNLATCHED, line, angle, "rad")
         for line, passed in self.overruns.items():
             yield Number("largest angle, no latch", line, passed.largest, "rad")
         for line, short in self.short_of_deployed.items():

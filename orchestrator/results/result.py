@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -179,6 +180,8 @@ def reason(error: BaseException) -> str:
     """What the operating system or the first line of a library says, without its full stop."""
     if isinstance(error, OSError) and error.errno:
         return os.strerror(error.errno)
+    if number := re.search(r"\berrno = (\d+)", str(error)):  # as HDF5 passes it on
+        return os.strerror(int(number[1]))
     if isinstance(error, AttributeError | TypeError | IndexError):  # Python's words, of what bytes were not
         return "a part of it is missing or is of another kind"
     return (str(error).splitlines() or [type(error).__name__])[0].rstrip(".")

@@ -10,8 +10,9 @@
 
 Rows are collected in memory and written once a second, however long a step takes, and when they fill a chunk. The
 file takes its name when it can be read, and a lock keeps other runs from it. The file format is the one of HDF5 1.8:
-it has no mark "open for writing" that would keep other tools from an interrupted run. Room is reserved before HDF5
-is given what needs it: one that meets a full disk or a quota halfway leaves a file that nobody can read.
+it has no mark "open for writing" that would keep other tools from an interrupted run. Room is reserved before rows are
+made that need it, for the first ones before the run: HDF5 that meets a full disk or a quota halfway leaves a file that
+nobody can read, and rows without room would be lost.
 """
 
 from __future__ import annotations
@@ -19,12 +20,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from threading import Event as Signal
 from threading import Lock, Thread
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
+from zlib import crc32
 
 import h5py
 import numpy as np
@@ -45,13 +47,20 @@ _SECONDS = 1.0
 _TEXT = h5py.string_dtype("utf-8")
 _EVENT_BYTES = 255
 _EVENT_TEXT = h5py.string_dtype("utf-8", _EVENT_BYTES)
+_EVENT_COLUMNS = {"time": np.float64, "component": _EVENT_TEXT, "event": _EVENT_TEXT}
 _NODE = 8192
 """Bytes that the index of a dataset grows by at the most with a chunk: its nodes have 64 children, and split in two."""
 _EVENT_ROOM = 3 * (16 * _EVENT_BYTES + _NODE)
 _ATTRIBUTE_ROOM = 65536
 """Bytes for what closes a run: statistics and the mark that it is complete."""
-Place = tuple[int, int]
-"""A moment of a run in its result: rows and events before it."""
+
+
+class Place(NamedTuple):
+    """A moment of a run in its result: rows and events before it, and a checksum of both."""
+
+    rows: int
+    events: int
+    checksum: int
 
 
 def refuse_to_replace(path: Path) -> None:
@@ -65,6 +74,9 @@ def refuse_to_replace(path: Path) -> None:
     with suppress(OSError):  # a file system without locks
         if is_held(path):
             raise ResultError(f"{path}: another run is writing its result here; name another file")
+    with suppress(*HDF5_ERRORS), h5py.File(path, "r") as file:  # none is there, or it is damaged
+        if file.attrs.get("format") != FORMAT:
+            raise ResultError(f"{path}: this file is not a result and would be lost; name another")
 
 
 class ResultWriter:
@@ -92,10 +104,16 @@ class ResultWriter:
         try:
             self._lay_out(groups, provenance, geometry, hinge_lines)
             self._file.flush()
+            self._reserve()
             os.replace(unfinished, self.path)
-        except BaseException:
-            self._file.close()
+        except BaseException as error:
+            with suppress(*HDF5_ERRORS):  # of a full disk
+                self._file.close()
             unfinished.unlink(missing_ok=True)
+            if isinstance(error, OSError | RuntimeError):  # of a disk, as HDF5 has them
+                raise ResultError(
+                    f"{self.path}: the result cannot be written here ({reason(error)})"
+                ) from None
             raise
         self._identity = _identity(self.path)
 
@@ -107,8 +125,11 @@ class ResultWriter:
         refuse_to_replace(writer.path)
         try:
             writer._file = h5py.File(writer.path, "r+", libver=("v108", "v108"))
-            writer._find_columns(groups)
-            writer._go_back_to(place)
+            with ExitStack() as stack:
+                stack.callback(writer._file.close)
+                writer._find_columns(groups)
+                writer._go_back_to(place)
+                stack.pop_all()
         except HDF5_ERRORS as error:
             raise ResultError(f"{path}: the result cannot be gone on with ({reason(error)})") from None
         writer._identity = _identity(writer.path)
@@ -125,6 +146,7 @@ class ResultWriter:
         self._filled = 0
         self._events: list[Event] = []
         self._events_written = 0
+        self._rows_checksum = self._events_checksum = 0
         self._reserved = 0
         self._kept: float | None = None
         self._lock, self._closing = Lock(), Signal()
@@ -144,25 +166,45 @@ class ResultWriter:
 
     def _go_back_to(self, place: Place) -> None:
         """Drop what was written after a place; the chunk that it lies in is written anew as a whole."""
-        rows, events = place
-        self._start, self._filled = rows // _ROWS * _ROWS, rows % _ROWS
-        for column in (*self._columns, self._time):
-            dataset = h5py.Dataset(column.dataset)
+        rows, events, _ = place
+        columns = [(h5py.Dataset(column.dataset), column.where) for column in (*self._columns, self._time)]
+        for dataset, _ in columns:
             if len(dataset) < rows or dataset.chunks[0] != _ROWS:
                 raise ValueError(f"it has {len(dataset)} rows of {rows}")
-            dataset.resize(rows, 0)
-            found = dataset[self._start :]
-            self._buffer[: self._filled, column.where] = found.reshape(self._filled, -1)
-        self._kept = float(self._file["time"][-1]) if rows else None
-        for dataset in self._file["events"].values():
-            dataset.resize(events, 0)
+        for start in range(0, rows + 1, _ROWS):
+            self._start, self._filled = start, min(_ROWS, rows - start)
+            for dataset, where in columns:
+                found = dataset[start : start + self._filled]
+                self._buffer[: self._filled, where] = found if found.ndim == 2 else found[:, None]
+            self._turn_over()
+        folder = self._file["events"]
+        for time, component, text in zip(*(folder[name][:events] for name in _EVENT_COLUMNS), strict=True):
+            self._check_event(time, component, text)
         self._events_written = events
+        if self._place() != place:
+            raise ValueError(
+                "rows or events before its checkpoint are not those that were written; run it anew"
+            )
+        for dataset, _ in columns:
+            dataset.resize(rows, 0)
+        for dataset in folder.values():
+            dataset.resize(events, 0)
+        self._kept = float(self._file["time"][-1]) if rows else None
 
     def place(self) -> Place:
         """How far the result goes, all of it written."""
         with self._lock:
             self._flush()
-            return self._start + self._filled, self._events_written
+            return self._place()
+
+    def _place(self) -> Place:
+        checksum = crc32(self._buffer[: self._filled].data, self._rows_checksum)
+        return Place(self._start + self._filled, self._events_written, checksum ^ self._events_checksum)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no row has reached the file or is on its way."""
+        return self._start + self._filled == 0
 
     def _lay_out(
         self,
@@ -201,8 +243,7 @@ class ResultWriter:
 
     def _create_events(self) -> None:
         events = self._file.create_group("events")
-        kinds = {"time": np.float64, "component": _EVENT_TEXT, "event": _EVENT_TEXT}
-        for name, kind in kinds.items():
+        for name, kind in _EVENT_COLUMNS.items():
             events.create_dataset(name, (0,), kind, maxshape=(None,), chunks=(16,))
         events["time"].attrs["unit"] = "s"
 
@@ -256,29 +297,43 @@ class ResultWriter:
     def _flush(self) -> None:
         if _identity(self.path) != self._identity:
             raise ResultError(f"{self.path}: the result was removed or replaced while the run was writing it")
+        events = [(time, _event_text(name), _event_text(text)) for time, name, text in self._events]
         try:
             self._reserve()
             self._write_rows(self._columns)
-            self._append_events("component", [_event_text(event[1]) for event in self._events])
-            self._append_events("event", [_event_text(event[2]) for event in self._events])
+            self._append_events("component", [event[1] for event in events])
+            self._append_events("event", [event[2] for event in events])
             self._file.flush()
             self._write_rows([self._time])
-            self._append_events("time", [event[0] for event in self._events])
+            self._append_events("time", [event[0] for event in events])
             self._file.flush()
+            self._kept = float(self._times[self._filled - 1]) if self._filled else self._kept
+            self._events_written += len(events)
+            self._events = []
+            for event in events:
+                self._check_event(*event)
+            self._turn_over()
+            self._reserve()
         except HDF5_ERRORS as error:
             kept = "nothing yet" if self._kept is None else f"what was up to t = {self._kept:.6g} s"
             raise ResultError(
                 f"{self.path}: the result cannot be written ({reason(error)}); it holds {kept}"
             ) from None
-        self._kept = float(self._times[self._filled - 1]) if self._filled else self._kept
-        self._events_written += len(self._events)
-        self._events = []
+
+    def _turn_over(self) -> None:
+        """Begin the next chunk where this one is full."""
         if self._filled == _ROWS:
+            self._rows_checksum = crc32(self._buffer.data, self._rows_checksum)
             self._start, self._filled = self._start + _ROWS, 0
 
+    def _check_event(self, time: float, component: bytes, text: bytes) -> None:
+        """Take an event into the checksum."""
+        content = np.float64(time).tobytes() + component + b"\0" + text + b"\0"
+        self._events_checksum = crc32(content, self._events_checksum)
+
     def _reserve(self) -> None:
-        """Room for a chunk of every column where rows begin one, and for events; OSError where there is none."""
-        begins = self._filled > 0 and self._start >= self._reserved
+        """Room for the chunk of every column that comes next, and for events; OSError where there is none."""
+        begins = self._start >= self._reserved
         if begins or self._events:
             chunk = self._buffer.nbytes + _NODE * (len(self._columns) + 1) if begins else 0
             chunks_of_events = len(self._events) // 16 + 2

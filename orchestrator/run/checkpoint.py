@@ -22,7 +22,7 @@ from ..cosim.implicit.snapshot import Snapshot
 from ..results.result_file import Place
 from .errors import RunError
 
-_FORMAT = 5
+_FORMAT = 6
 _DAMAGES = (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
 """What NumPy, JSON and ZIP raise of files whose bytes are not what they should be."""
 
@@ -86,7 +86,7 @@ class Checkpoint:
                 raise RunError(f"{path}: the checkpoint was written by another version of Fanfold")
             return cls(
                 Snapshot(numbers["snapshot"], arrays, {name: s.tobytes() for name, s in states.items()}),
-                (numbers["place"][0], numbers["place"][1]),
+                Place(*numbers["place"]),
                 numbers["asked"],
                 numbers["of"],
                 numbers["wall_time"],

@@ -34,7 +34,7 @@ from ..results.estimated_errors import (
     beside_their_vector,
     errors_text,
 )
-from ..results.key_figures import headline
+from ..results.key_figures import UNLATCHED, headline
 from ..results.result_file import with_statistics
 from .errors import InterruptedRunError
 from .run import Loader, Outcome, RunError, as_fmus, run
@@ -51,7 +51,7 @@ _ASTRAY = 1e3
 _LOADS = ("N", "N.m")
 _BY_CHANCE = 3.0
 """Times which two numbers may differ by less than the rows around them; beyond, a swing came later in one of both."""
-_NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched", "lock torque peak")
+_NOT_ESTIMATED = ("end time", "energy residual", UNLATCHED, "lock torque peak")
 """That of a lock between rigid bodies rings as its own stiffness lets it, which no step is meant to follow."""
 
 
@@ -90,7 +90,7 @@ def with_estimates(
         try:
             other = run(assembly, None, plan, until, watch=watch, load=load)
         except InterruptedRunError:
-            break
+            raise
         except RunError:
             continue
         if not _is_astray(outcome, other):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from components import FanfoldError
 
 from ..results.result import Result
@@ -22,3 +25,18 @@ class RunError(FanfoldError):
 
 class InterruptedRunError(RunError):
     """A run that was interrupted between two steps, by Ctrl-C or what ends jobs."""
+
+
+@contextmanager
+def whole_if_interrupted(name: str, result: Result, what: str, lacks: str = "") -> Iterator[None]:
+    """Say to whoever interrupts what follows a run that its result is whole.
+
+    what: such as "it was repeated". lacks: what the result does not have without it.
+    """
+    try:
+        yield
+    except (KeyboardInterrupt, InterruptedRunError):
+        where = f"the result in {result.path}" if result.path else "the result"
+        sentence = f"{name}: interrupted while {what}"
+        whole = f"{where} is whole but for {lacks}" if lacks else f"{where} is whole"
+        raise InterruptedRunError(f"{sentence}; {whole}", result, sentence) from None

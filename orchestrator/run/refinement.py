@@ -28,6 +28,7 @@ from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..cosim.stepping import share_of_steps
 from ..messages import message
+from ..results.earlier import SETTINGS
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
     PROMISED,
@@ -41,6 +42,7 @@ from ..results.estimated_errors import (
 )
 from ..scene.schema import TOLERANCES
 from .companion import with_estimates
+from .errors import InterruptedRunError, whole_if_interrupted
 from .progress import Progress, Watch, followed, silent
 from .run import Loader, Outcome, RunError, as_fmus, run
 
@@ -78,7 +80,7 @@ def refined(
     """The outcome, or one with smaller errors in place of it, in its file as well; and the settings it was made with.
 
     outcome: with estimated errors; without, or with steps that were given, it stays. A repetition that does not reach
-    its end, or is interrupted, leaves the earlier outcome.
+    its end leaves the earlier outcome, and so does one that is interrupted, by an InterruptedRunError.
     """
     asked, first = settings.tolerance, outcome
     error = error_in_tolerances(outcome, asked)
@@ -92,9 +94,11 @@ def refined(
             break
         warn(_sentence(assembly.name, outcome, asked, tolerance))
         try:
-            better = _again(
-                assembly, outcome, first, finer, tolerance / settings.tolerance, until, progress, load
-            )
+            with whole_if_interrupted(assembly.name, outcome.result, f"it was repeated at {tolerance:.2g}"):
+                part = tolerance / settings.tolerance
+                better = _again(assembly, outcome, first, finer, part, until, progress, load)
+        except InterruptedRunError:
+            raise
         except CostlyError as costly:
             warn(_too_costly(assembly.name, outcome, asked, tolerance, costly.times))
             break
@@ -188,11 +192,12 @@ def _again(
     """A run with its estimates in a file beside that of the earlier outcome, whose place it takes in the end."""
     path = outcome.result.path
     end, name = until or assembly.until, f"{assembly.name}: at {settings.tolerance:.2g}"
+    asked = {key: text for key, text in outcome.result.provenance.items() if key == SETTINGS}
     with ExitStack() as stack:
         beside = path and Path(stack.enter_context(TemporaryDirectory(dir=path.parent)), path.name)
         with followed(progress, name, end) as watch:
             bounded = _Bounded(watch, first)
-            found = run(assembly, beside, settings, until, watch=bounded, load=load)
+            found = run(assembly, beside, settings, until, watch=bounded, load=load, asked=asked)
         with followed(progress, f"{name}: errors", end) as watch:
             at_least = _left(outcome, found, part)
             found = with_estimates(assembly, found, settings, until, watch, load, at_least)

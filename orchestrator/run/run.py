@@ -39,6 +39,7 @@ from ..cosim.signals.joined import recorded
 from ..cosim.signals.process import SignalProcess
 from ..cosim.stepping import StepError
 from ..messages import message
+from ..results.earlier import SETTINGS
 from ..results.key_figures import Headline, headline
 from ..results.recorder import MemoryRecorder, SignalGroup
 from ..results.result import Result
@@ -226,7 +227,8 @@ def run(
     """Run an assembly, its result into a file or, without one, into memory; RunError where it does not finish.
 
     With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one. asked:
-    what a checkpoint tells of the run beside where it stands. start: the checkpoint to go on from.
+    what a checkpoint tells of the run besides where it stands, and the text of `SETTINGS`. start: the checkpoint to go
+    on from.
     """
     asked_for = output, settings, until, master, watch, warn, load, asked, start
     assembly = with_free_joints(assembly)
@@ -312,6 +314,7 @@ def _follow(
     groups = signal_groups(network)
     groups += [SignalGroup.of(fmu.name, Layout(recorded(fmu)), "FMU") for fmu in assembly.signal_fmus]
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
+    provenance |= {SETTINGS: str(asked[SETTINGS])} if SETTINGS in asked else {}
     same = {name: text for name, text in provenance.items() if name in _PACKAGES or name.startswith("fmu.")}
     start = perf_counter() - (resumed.wall_time if resumed else 0.0)
     if resumed is not None:
@@ -409,6 +412,8 @@ def _broken_off(
     sentence: str, recorder: ResultWriter | MemoryRecorder, kind: type[RunError] = RunError
 ) -> RunError:
     """What to raise where a run ends early, and where its result up to there is."""
+    if isinstance(recorder, ResultWriter) and recorder.is_empty:
+        return kind(f"{sentence}; {recorder.path} holds nothing yet", reason=sentence)
     if isinstance(recorder, ResultWriter):
         going_on = (
             ", from whose checkpoint it can be resumed" if checkpoint_file(recorder.path).exists() else ""

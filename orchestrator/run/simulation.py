@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -20,13 +20,16 @@ from ..cosim.ports import Order
 from ..cosim.settings import Settings
 from ..messages import coded, is_note, message
 from ..results.attitude import turned_over
+from ..results.earlier import SETTINGS, settings_text
+from ..results.earlier import refuse_to_lose as refuse_to_lose_result
 from ..results.result_file import refuse_to_replace, with_told
 from ..scene import CheckedScene, read_scene
 from ..scene.component_connections import WrenchMode
+from ..scene.digests import digests
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
-from .errors import InterruptedRunError
+from .errors import whole_if_interrupted
 from .idle_events import idle_events
 from .limits.compression import compressed_sentences
 from .limits.creep import creeping_sentences
@@ -120,6 +123,14 @@ class Options:
         options = {one.name: getattr(self, one.name) for one in fields(self)} | names
         return {"file": scene.file, "tree": scene.tree, "options": options, "estimate": estimate}
 
+    def made_with(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
+        """All that a result follows from besides its scene, as JSON holds it; processes change nothing in it."""
+        options = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "isolate"}
+        options |= {name: sorted(getattr(self, name)) for name in _NAMES}
+        options["until"] = self.until or scene.header.until
+        options["tolerance"] = self.tolerance or scene.header.tolerance
+        return {**options, "estimate": estimate, "files": digests(scene)}
+
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
@@ -170,11 +181,11 @@ def simulate(
     for sentence in (*_missing_parts(options), *_before(scene, options, assembly)):
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
+    asked = options.asked(scene, estimate) | {SETTINGS: settings_text(options.made_with(scene, estimate))}
     own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
     with own as load:
         assembly = with_energy_of_loads(assembly, settings, end, options.master, progress, load)
         with followed(progress, assembly.name, end) as watch:
-            asked = options.asked(scene, estimate)
             outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
@@ -204,12 +215,12 @@ def _estimated(
     refine: bool,
 ) -> tuple[Outcome, Settings]:
     """The outcome with estimated errors, and of the last repetition where these were too large; and its settings."""
-    with _whole(assembly, outcome):
-        with followed(progress, f"{assembly.name}: errors", end) as watch:
-            outcome = with_estimates(assembly, outcome, settings, end, watch, load)
-        return (
-            refined(assembly, outcome, settings, end, progress, tell, load) if refine else (outcome, settings)
-        )
+    with (
+        whole_if_interrupted(assembly.name, outcome.result, "its errors were estimated", "these"),
+        followed(progress, f"{assembly.name}: errors", end) as watch,
+    ):
+        outcome = with_estimates(assembly, outcome, settings, end, watch, load)
+    return refined(assembly, outcome, settings, end, progress, tell, load) if refine else (outcome, settings)
 
 
 def _missing_parts(options: Options) -> Iterator[str]:
@@ -220,19 +231,6 @@ def _missing_parts(options: Options) -> Iterator[str]:
         "W-cache": place_sentence(),
     }
     yield from (message(code, sentence) for code, sentence in sentences.items() if sentence)
-
-
-@contextmanager
-def _whole(assembly: Assembly, outcome: Outcome) -> Iterator[None]:
-    """Tell whoever interrupts what follows a run that the run is whole."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        where = f"the result in {outcome.result.path}" if outcome.result.path else "the result"
-        sentence = "interrupted while its errors were estimated, or it was repeated for them"
-        raise InterruptedRunError(
-            f"{assembly.name}: {sentence}; {where} is whole but for these", outcome.result, sentence
-        ) from None
 
 
 def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
@@ -277,7 +275,7 @@ def resume(result: Path, progress: Progress = silent, warn: Warn = lambda senten
     start = Checkpoint.read(result)
     asked = start.asked
     try:
-        scene = read_scene(asked["file"], asked["tree"])
+        scene = read_scene(asked["file"], asked["tree"], of_result=True)
         options, estimate = Options(**asked["options"]), bool(asked["estimate"])
     except (KeyError, TypeError) as error:
         raise RunError(
@@ -313,9 +311,29 @@ def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[st
         yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
 
 
-def result_file(name: str, variants: Sequence[str]) -> Path:
-    """File of the result of a scene with variants where none is named."""
-    return Path(".".join((name, *variants, "h5")))
+def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: bool) -> None:
+    """ResultError or RunError where a file is no result of such a run, or is one to go on with, and would be lost."""
+    refuse_to_replace(path)
+    if path.is_file() and checkpoint_file(path).is_file():
+        raise RunError(
+            f"{path}: an interrupted run stands here. Go on with it by `fanfold resume {path}`, name another file "
+            "(--output), or allow its loss by --replace (replace=True)"
+        )
+    refuse_to_lose_result(path, scene.tree, options.made_with(scene, estimate))
+
+
+def fidelity_word(**kinds: Collection[str]) -> str:
+    """What files are called by the bodies of each kind: rigid, ..., mixed; empty where all are as the scene says."""
+    asked = {kind: frozenset(names) for kind, names in kinds.items() if names}
+    if not asked:
+        return ""
+    kind = next(iter(asked))
+    return kind if asked == {kind: {"all"}} else "mixed"
+
+
+def result_file(name: str, variants: Sequence[str], fidelity: str = "", ending: str = "h5") -> Path:
+    """File of the result of a scene with variants, at a fidelity, where none is named."""
+    return Path(".".join(filter(None, (name, *variants, fidelity, ending))))
 
 
 def phase_file(path: Path, phase: str) -> Path:

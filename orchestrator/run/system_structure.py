@@ -60,7 +60,7 @@ def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: 
     system.elements = [_component(fmu, found) for fmu, found in zip(fmus, connectors, strict=True)]
     system.connections = [c for link in links for c in _connections(link)]
     if experiment.step_size is not None:
-        system.annotations.add_annotation(_step_annotation(experiment.step_size))
+        system.annotations.add_annotation(_step_annotation(experiment.step_size, assembly.tolerance))
     run = DefaultExperiment()
     run.start_time, run.stop_time = 0.0, experiment.stop_time
     with TemporaryDirectory() as folder:
@@ -166,14 +166,16 @@ def _units(names: Iterable[str]) -> Iterator[Any]:
         yield Unit(name, BaseUnit({**exponents, **({"factor": factor} if factor != 1.0 else {})}))
 
 
-def _step_annotation(step: float) -> Any:  # noqa: ANN401
-    """The fixed step of a master, in OMSimulator's words."""
+def _step_annotation(step: float, tolerance: float) -> Any:  # noqa: ANN401
+    """The fixed step of a master and its tolerances, which are 0 where they are left out, in OMSimulator's words."""
     from lxml.etree import Element, SubElement
     from pyssp_standard.common_content_ssc import Annotation
 
     found = Annotation(_OMSIMULATOR)
     annotations = Element(f"{{{_OMS}}}Annotations", nsmap={"oms": _OMS})
     information = SubElement(annotations, f"{{{_OMS}}}SimulationInformation")
-    SubElement(information, f"{{{_OMS}}}FixedStepMaster", {"description": "oms-ma", "stepSize": f"{step:g}"})
+    numbers = {"stepSize": step, "absoluteTolerance": tolerance, "relativeTolerance": tolerance}
+    attributes = {name: f"{number:g}" for name, number in numbers.items()}
+    SubElement(information, f"{{{_OMS}}}FixedStepMaster", {"description": "oms-ma", **attributes})
     found.add_element(annotations)
     return found

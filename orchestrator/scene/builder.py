@@ -10,12 +10,15 @@ from typing import Any, Self
 import numpy as np
 import tomli_w
 
+from components.contract.plugins import loaded_plugins
+
 from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .events.tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
-from .layers import Layers, Setting, Tree, read_layers, with_absolute_files
+from .layers import Layers, Setting, Tree, plugin_files, read_layers, with_absolute_files
+from .plugins.trust import trust_programs
 from .reader import check_layers, find_scene, variant_problems
 from .schema import CheckedScene, Header
 from .signals.tables import Fmu
@@ -45,11 +48,11 @@ class Scene:
 
     def __init__(self, name: str, *, until: float | str, **header: object) -> None:
         """An empty scene; header: further keys of [scene], such as tolerance, largest_step, preload, gravity."""
-        self._layers = Layers(name, {}, {}, frozenset())
-        self._variants: tuple[str, ...] = ()
-        self._settings: tuple[tuple[str, Any], ...] = ()
-        self._checked: CheckedScene | None = None
+        self._begin(Layers(name, {}, {}, frozenset()))
         self._set("scene", Header, {"name": name, "until": until, **header})
+        self._accepted: frozenset[str] = frozenset(
+            plugin_files(self._layers.tree)
+        )  # whoever writes the name in code means it
 
     @classmethod
     def load(
@@ -57,22 +60,33 @@ class Scene:
         scene: str | Path,
         variants: Names = (),
         settings: Mapping[str, object] | Sequence[Setting] = (),
+        trust: bool = False,
     ) -> Self:
-        """A scene that comes with Fanfold, by its name, or a scene file; SceneError with all that is wrong with it."""
+        """A scene that comes with Fanfold, by its name, or a scene file; SceneError with all that is wrong with it.
+
+        trust: its plugins may run, now and until they change.
+        """
         found = cls.__new__(cls)
-        found._layers = read_layers(find_scene(str(scene)), find_scene)
-        found._variants, found._settings, found._checked = (), (), None
+        found._begin(read_layers(find_scene(str(scene)), find_scene))
         found = found.with_variants(*listed(variants)).with_settings(settings)
+        if trust:
+            trust_programs(plugin_files({**found.tree, "variant": found._layers.variants}))
         found.check()
         return found
 
     @classmethod
     def of_tree(cls, file: str, tree: Tree) -> Self:
-        """The scene of a tree, such as one that a result has kept; file: what problems name it by."""
+        """The scene that a result or a study has kept, whose plugins are not loaded; file: what problems name it by."""
         found = cls.__new__(cls)
-        found._layers = Layers(file, tree, {}, frozenset())
-        found._variants, found._settings, found._checked = (), (), None
+        found._begin(Layers(file, tree, {}, frozenset()), of_result=True)
         return found
+
+    def _begin(self, layers: Layers, of_result: bool = False) -> None:
+        self._layers, self._of_result = layers, of_result
+        self._variants: tuple[str, ...] = ()
+        self._settings: tuple[tuple[str, Any], ...] = ()
+        self._checked: CheckedScene | None = None
+        self._accepted = frozenset()
 
     @property
     def name(self) -> str:
@@ -236,12 +250,16 @@ class Scene:
         """Its records; SceneError with everything that is wrong with it."""
         if self._checked is None:
             layers = deepcopy(self._layers)  # what is added later must not get into the records
-            self._checked = check_layers(layers, self._variants, self._settings)
+            self._checked = check_layers(
+                layers, self._variants, self._settings, sorted(self._accepted), self._of_result
+            )
+            # processes that get the scene load what this one has loaded
+            self._accepted |= {str(path) for path in loaded_plugins()}
         return self._checked
 
     def variant_problems(self) -> list[str]:
         """What is wrong with each of its variants when it alone is chosen, as sentences."""
-        return variant_problems(self._layers)
+        return variant_problems(self._layers, sorted(self._accepted))
 
     def check_one_run(self) -> CheckedScene:
         """Its records; SceneError as well where it runs in phases and none of them is chosen."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from inspect import Parameter, signature
 from math import isfinite
 from typing import Any, Literal
 
@@ -23,6 +24,8 @@ from .units import QUANTITY, UNITS, written
 WrenchMode = Literal["mean", "endpoint"]
 """Wrench that connections return: the mean over a step, or that at the inputs as they are."""
 
+_WRENCH_MODE = "wrench_mode"
+"""Key of the structure that the master sets."""
 _DEEPEST = 10.0
 """Penetrations, in reference penetrations, that a contact may start with."""
 
@@ -56,6 +59,12 @@ def connection_problems(connection: Connection) -> Iterator[str]:
         yield f"{key}.kind: {connection.kind!r} {unknown(connection.kind, sorted(REGISTRY), 'component')}"
         return
     try:
+        if any(port.side == "body" for port in REGISTRY[connection.kind].example().ports):
+            yield f"{key}.kind: {connection.kind} is a body; it cannot connect others"
+            return
+        if wrong := list(_structure_problems(connection)):
+            yield from wrong
+            return
         component = _component(connection, "mean")
     except ComponentError as error:
         yield f"{key}.structure: {error}"
@@ -68,16 +77,28 @@ def connection_problems(connection: Connection) -> Iterator[str]:
     ) as error:  # what constructors do with values of another kind
         yield f"{key}.structure: {connection.kind} cannot be made of {connection.structure}: {error}"
         return
-    sides = {port.name: port.side for port in component.ports}
-    if "body" in sides.values():
-        yield f"{key}.kind: {connection.kind} is a body; it cannot connect others"
-        return
+    ports = [port.name for port in component.ports]
     if hasattr(connection, "ports"):
-        for name in sorted(sides.keys() ^ connection.ports.keys()):
+        for name in sorted({*ports} ^ connection.ports.keys()):
             yield f"{key}.ports.{name}: " + (
-                "is missing" if name in sides else f"is no port; ports are {', '.join(sides)}"
+                "is missing" if name in ports else f"is no port; ports are {', '.join(ports)}"
             )
     yield from _parameter_problems(key, connection, component)
+
+
+def _structure_problems(connection: Connection) -> Iterator[str]:
+    """Keys of `structure` that the component does not have, or that it needs and are missing."""
+    key = f"connection.{connection.name}.structure"
+    declared = dict(signature(REGISTRY[connection.kind]).parameters)
+    if any(one.kind is Parameter.VAR_KEYWORD for one in declared.values()):
+        return
+    declared.pop(_WRENCH_MODE, None)
+    for name in connection.structure:
+        if name not in declared:
+            yield f"{key}.{name}: {unknown(name, list(declared))}"
+    for name, one in declared.items():
+        if one.default is Parameter.empty and name not in connection.structure:
+            yield f"{key}.{name}: is missing"
 
 
 def buried_contacts(
@@ -147,7 +168,7 @@ def _component(connection: Connection, mode: WrenchMode) -> Component:
     kind = REGISTRY[connection.kind]
     structure: dict[str, Any] = dict(connection.structure)
     if kind.has_wrench_mode():
-        structure["wrench_mode"] = mode
+        structure[_WRENCH_MODE] = mode
     return kind(**structure)
 
 

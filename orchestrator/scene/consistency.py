@@ -183,7 +183,11 @@ def open_hinges(
             b = poses[line.outboard].place(points[line.outboard][hinge.outboard])
             gap = norm(subtract(b, a))
             if gap > _HINGE_GAP:
+                seats = " and ".join(
+                    f"{point!r} of {body} at ({', '.join(f'{x:.4g}' for x in points[body][point])}) m"
+                    for body, point in ((line.inboard, hinge.inboard), (line.outboard, hinge.outboard))
+                )
                 yield (
-                    f"hinge_line.{line.name}.hinges.{hinge.name}: its points are {gap:.4g} m apart when"
-                    " stowed; the hinges of a line must lie on one line along its axis"
+                    f"hinge_line.{line.name}.hinges.{hinge.name}: its points are {gap:.4g} m apart when stowed, "
+                    f"{seats}; the hinges of a line must lie on one line along its axis, so check the points of all"
                 )

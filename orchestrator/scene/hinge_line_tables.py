@@ -248,7 +248,10 @@ class MeasuredLatch(Table):
             raise ValueError("give at least two deflections and as many torques")
         for values in (self.deflection, self.torque):
             if any(b - a < _ANGLE_ROUND_OFF for a, b in pairwise(values)):
-                raise ValueError("deflections and torques must increase")
+                play = "; play needs a small slope of torque where the latch is loose"
+                raise ValueError(
+                    "deflections and torques must increase" + (play if values == self.torque else "")
+                )
         return self
 
 

@@ -17,6 +17,7 @@ from itertools import permutations
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from components.contract.regular import is_regular
 from components.imported.files import NAMES
 
 from .exchange.system_structure import scene_of
@@ -106,7 +107,7 @@ def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, 
     if not isinstance(name, str):
         raise SceneError([f"{path.name}: extends: is {name!r}; give the name of a scene or a file"])
     beside = path.parent / name
-    below = beside if beside.is_file() else find(name)
+    below = beside if is_regular(beside) else find(name)
     under = _with_extended(below, find, (*within, place), names)
     return _merged_layer(f"{path.name}: ", under, tree, names)
 
@@ -119,7 +120,8 @@ def _read(path: Path) -> Tree:
         if error.object.startswith(_HDF5):
             raise SceneError(
                 [
-                    f"{path.name}: is a result, and no scene; `fanfold plot`, `report` and `resume` take results"
+                    f"{path.name}: is a result, not a scene; use `fanfold plot`, `report` or `resume`, in Python "
+                    "`fanfold.load`"
                 ]
             ) from None
         raise SceneError(
@@ -151,6 +153,16 @@ def with_absolute_files(tree: Tree, folder: Path) -> Tree:
 def files_besides(tree: Tree) -> list[str]:
     """Paths of the files that a scene is made of besides its own, in order."""
     return list(dict.fromkeys(table[key] for table, key in _places_of_files(tree)))
+
+
+def plugin_files(tree: Tree) -> list[str]:
+    """Those of its plugins."""
+    return list(dict.fromkeys(table[key] for table, key in _places_of_files(tree) if isinstance(table, list)))
+
+
+def data_files(tree: Tree) -> list[str]:
+    """Those that are read and not run in this process: tables of bodies, finite elements, FMUs of other tools."""
+    return [file for file in files_besides(tree) if not file.endswith(".py")]
 
 
 def _places_of_files(tree: Tree) -> Iterator[tuple[Any, Any]]:

@@ -8,8 +8,9 @@ from importlib.resources import files
 from pathlib import Path
 
 from components import ComponentError
-from components.contract.errors import unknown
+from components.contract.errors import nearest, shortened, unknown
 from components.contract.frames import Vector3
+from components.contract.regular import is_regular
 from components.end_stop import OF_HINGE
 
 from . import consistency
@@ -22,7 +23,7 @@ from .events.tables import Event
 from .expansion.arrays import Array, expanded
 from .expansion.presets import with_presets
 from .hinge_line_tables import Friction, HingeLine, Joint
-from .layers import Layers, Setting, Tree, read_layers, resolved
+from .layers import Layers, Setting, Tree, data_files, plugin_files, read_layers, resolved
 from .loops.closing import closed, open_loops
 from .plugins import loading
 from .plugins.trials import plugin_problems
@@ -63,22 +64,16 @@ def list_scenes() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _scene_folder().glob("*.toml")))
 
 
-def _is_file(path: Path) -> bool:
-    """Whether there is one, also of a name that no file can have."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
-
-
 def find_scene(name_or_path: str) -> Path:
     """The file of a named scene or at a path; SceneError if there is neither."""
     for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
-        if _is_file(path):
+        if is_regular(path):
             return path
     known, file = ", ".join(list_scenes()), f"{name_or_path}.toml"
-    meant = f"; did you mean {file}" if _is_file(Path(file)) else ""
-    raise SceneError([f"there is no scene and no file {name_or_path!r}{meant}; scenes are {known}"])
+    meant = f"; did you mean {file}" if is_regular(Path(file)) else ""
+    raise SceneError(
+        [f"there is no scene and no file {shortened(repr(name_or_path))}{meant}; scenes are {known}"]
+    )
 
 
 def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[Setting] = ()) -> CheckedScene:
@@ -87,16 +82,23 @@ def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[Sett
 
 
 def check_layers(
-    layers: Layers, variants: Sequence[str] = (), settings: Sequence[Setting] = ()
+    layers: Layers,
+    variants: Sequence[str] = (),
+    settings: Sequence[Setting] = (),
+    accepted: Collection[str] = (),
+    of_result: bool = False,
 ) -> CheckedScene:
     """The scene of layers with variants and settings; SceneError with everything that is wrong with them.
 
-    Variants that are not chosen are looked at where something is wrong, and by `variant_problems`.
+    Variants that are not chosen are looked at where something is wrong, and by `variant_problems`. accepted: paths of
+    plugins that may run whatever is in them. of_result: whether a result names its files, of which none is loaded.
     """
-    scene, problems = _checked(layers.file, *layers.over(variants, settings))
+    tree, added = layers.over(variants, settings)
+    plugins = _loadable(layers.file, tree, accepted, of_result)
+    scene, problems = _checked(layers.file, tree, added, plugins)
     sentences: list[str] = []
     if problems:
-        own = _own_problems(layers, problems if not (variants or settings) else None)
+        own = _own_problems(layers, problems if not (variants or settings) else None, accepted)
         told = {problem for name in variants for problem in own[name]}
         sentences += [problem for problem in problems if problem not in told]
         sentences += [f"variant.{name}.{problem}" for name, found in own.items() for problem in found]
@@ -112,28 +114,48 @@ def check_layers(
     return scene
 
 
-def variant_problems(layers: Layers) -> list[str]:
+def _loadable(file: str, tree: Tree, accepted: Collection[str], of_result: bool) -> list[str]:
+    """Plugins to load; SceneError before anything is loaded or opened that may not be."""
+    plugins, data = plugin_files(tree), data_files(tree)
+    found = (
+        loading.refusal_of_result(plugins, data) if of_result else loading.refusal(plugins, data, accepted)
+    )
+    if sentences := [f"{file}: {sentence}" for sentence in found]:
+        raise SceneError(sentences)
+    named = [plugin for plugin in plugins if plugin in data] if of_result else plugins
+    return list(dict.fromkeys([*accepted, *named]))
+
+
+def variant_problems(layers: Layers, accepted: Collection[str] = ()) -> list[str]:
     """What is wrong with every variant when it alone is laid over what is below, as sentences."""
-    own = _own_problems(layers)
+    own = _own_problems(layers, accepted=accepted)
     return [f"{layers.file}: variant.{name}.{problem}" for name, found in own.items() for problem in found]
 
 
-def _own_problems(layers: Layers, below: Sequence[str] | None = None) -> dict[str, list[str]]:
+def _own_problems(
+    layers: Layers, below: Sequence[str] | None = None, accepted: Collection[str] = ()
+) -> dict[str, list[str]]:
     """What is wrong with a file under each of its variants and is not `below` them."""
     if below is None and layers.variants:
-        below = _checked(layers.file, *layers.over(()))[1]
+        below = _problems_of(layers, (), accepted)
     return {
-        name: [p for p in _problems_of(layers, name) if p not in (below or ())] for name in layers.variants
+        name: [p for p in _problems_of(layers, (name,), accepted) if p not in (below or ())]
+        for name in layers.variants
     }
 
 
-def _problems_of(layers: Layers, variant: str) -> list[str]:
-    """What is wrong with a file under one of its variants alone."""
+def _problems_of(layers: Layers, variants: Sequence[str], accepted: Collection[str]) -> list[str]:
+    """What is wrong with a file under a variant alone, or under none."""
     try:
-        return _checked(layers.file, *layers.over([variant]))[1]
+        tree, added = layers.over(variants)
+        plugins = _loadable(layers.file, tree, accepted, of_result=False)
+        return _checked(layers.file, tree, added, plugins)[1]
     except SceneError as error:
-        place = f"{layers.file}: variant.{variant}."
-        return [problem.removeprefix(place) for problem in error.problems]
+        places = [f"{layers.file}: variant.{name}." for name in variants]
+        problems = error.problems
+        for place in (*places, f"{layers.file}: "):
+            problems = [problem.removeprefix(place) for problem in problems]
+        return problems
 
 
 def scene_variants(path: Path) -> tuple[str, ...]:
@@ -141,9 +163,14 @@ def scene_variants(path: Path) -> tuple[str, ...]:
     return tuple(read_layers(path, find_scene).variants)
 
 
-def read_scene(file: str, tree: Tree) -> CheckedScene:
-    """Check a tree of tables; SceneError with everything that is wrong with it."""
-    scene, problems = _checked(file, tree)
+def read_scene(file: str, tree: Tree, of_result: bool = False) -> CheckedScene:
+    """Check a tree of tables; SceneError with everything that is wrong with it.
+
+    of_result: whether a result holds it, whose plugins are not loaded; see `plugins.loading.refusal_of_result`.
+    """
+    if not isinstance(tree, dict):
+        raise SceneError([f"{file}: is no table of tables; it is damaged"])
+    scene, problems = _checked(file, tree, plugins=_loadable(file, tree, (), of_result))
     if scene is None:
         raise SceneError([f"{file}: {problem}" for problem in problems])
     return scene
@@ -154,15 +181,19 @@ def whole_tree(tree: Tree) -> Tree:
     return resolved(expanded(tree)[0])[0]
 
 
-def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
-    """The scene of a tree, None where it has problems, and these."""
+def _checked(
+    file: str, tree: Tree, added: Collection[str] = (), plugins: Collection[str] = ()
+) -> tuple[CheckedScene | None, list[str]]:
+    """The scene of a tree with these plugins loaded, None where it has problems, and these."""
+    known = sorted({*TABLES, *ARRAYS})
+    mistyped = [key for key in tree if key not in known]
+    tree = _as_meant(tree, mistyped, known)
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
     reader = EntryReader(with_presets(whole), added)
-    reader.note(loading.problems(_plugins(tree)))
+    reader.note(loading.problems(plugins))
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
-    known = sorted({*TABLES, *ARRAYS})
-    reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
+    reader.note(f"{key}: {unknown(key, known, 'table')}" for key in mistyped)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
     joint, friction = (
         reader.table("joint", Joint, required=False),
@@ -194,11 +225,10 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     return None if reader.problems else scene, _told(reader.problems, unlike)
 
 
-def _plugins(tree: Tree) -> list[str]:
-    """What [scene] asks for, as far as it is what it must be; whatever else is told with its table."""
-    header = tree.get("scene")
-    files = header.get("plugins", []) if isinstance(header, dict) else []
-    return [file for file in files if isinstance(file, str)] if isinstance(files, list) else []
+def _as_meant(tree: Tree, mistyped: Sequence[str], known: Sequence[str]) -> Tree:
+    """The tree with mistyped tables under the names that are nearest, so that nothing is missing because of them."""
+    meant = {key: near for key in mistyped if (near := nearest(key, known)) and near not in tree}
+    return {meant.get(key, key): value for key, value in tree.items()}
 
 
 def _told(problems: Sequence[str], unlike: Mapping[str, Sequence[str]]) -> list[str]:

@@ -80,6 +80,9 @@ def _parts(value: object, unit: str) -> tuple[str, str]:
     number, given = found.groups() if found else ("", value)
     if given not in UNITS[unit] and (given or unit != "1"):
         known = " or ".join(UNITS[unit])
+        for meant in UNITS[unit]:
+            if found and given == meant.replace(".", ""):
+                raise ValueError(f"is {value!r}; write '{number} {meant}'")
         raise ValueError(f"is {value!r}; give a number, a space and the unit {known}")
     return number, given
 

@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import SymLogNorm
 
-from .style import STYLE, as_written, empty_figure
+from .style import STYLE, as_written, empty_figure, save_figure
 
 if TYPE_CHECKING:
     from ..analysis.sampling.gradients import Gradients
@@ -48,7 +48,7 @@ def plot_gradients(found: Gradients, path: Path) -> Path:
         axes.set_yticks(range(len(rows)), names)
         axes.set_title(found.scene + ("\ncrossed out: nobody vouches for these" if doubted else ""))
         figure.colorbar(image, ax=axes, label="change of a number in % for 1 % of a key")
-        as_written(figure).savefig(path)
+        save_figure(as_written(figure), path)
     return path
 
 

@@ -8,7 +8,7 @@ import matplotlib as mpl
 
 from ..analysis.impact import CONTACT_FORCE, STOP_TORQUE, Impact
 from ..results.result import Result
-from .style import STYLE, draw, new_figure
+from .style import STYLE, draw, new_figure, save_figure
 
 
 def draw_impacts(path: Path, result: Result, found: list[Impact]) -> None:
@@ -29,7 +29,7 @@ def draw_impacts(path: Path, result: Result, found: list[Impact]) -> None:
         for panel, impact in zip(axes[len(loads) :], hardest, strict=True):
             _draw_impact(panel, result, impact)
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path)
+        save_figure(figure, path)
 
 
 def _draw_impact(panel: mpl.axes.Axes, result: Result, impact: Impact) -> None:

@@ -18,7 +18,7 @@ from ..analysis.modes import Modes
 from ..assembly.statics.linear_model import LinearModel, NormalModes
 from ..assembly.statics.mechanism import Mechanism
 from .space import bounds, set_view
-from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure
+from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure, save_figure
 
 _LARGEST_DEFLECTION = 0.12
 """of the size of the whole, in a picture of a mode"""
@@ -63,7 +63,7 @@ def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Seq
                     )
             set_view(axes, *bounds([faces.reshape(-1, 3) for faces in (*rest, *shown)]))
             written.append(folder / f"mode_{k + 1:02d}.png")
-            figure.savefig(written[-1])
+            save_figure(figure, written[-1])
     return written
 
 
@@ -103,4 +103,4 @@ def draw_responses(
         phase.set(
             xlabel="frequency, Hz", ylabel="phase, deg", yticks=[-180, -90, 0, 90, 180], ylim=(-190, 190)
         )
-        figure.savefig(path)
+        save_figure(figure, path)

@@ -37,6 +37,7 @@ from .style import (
     finish,
     new_columns,
     new_figure,
+    save_figure,
     share_legend,
     tell_of_interruption,
 )
@@ -112,12 +113,20 @@ def _drawers(result: Result) -> dict[str, tuple[str, Callable[[], Figure | None]
     return known
 
 
-def plot_all(result: Result, directory: str | Path, format: str = "png") -> list[Path]:
+Watch = Callable[[str], None]
+"""Takes the name of a figure that is about to be written."""
+
+
+def plot_all(
+    result: Result, directory: str | Path, format: str = "png", watch: Watch | None = None
+) -> list[Path]:
     """Write every figure that the signals of the result allow; the paths written."""
-    return write_all(draw_all(result), Path(directory), format)
+    return write_all(draw_all(result), Path(directory), format, watch)
 
 
-def write_all(drawings: Iterable[Drawing], directory: Path, format: str = "png") -> list[Path]:
+def write_all(
+    drawings: Iterable[Drawing], directory: Path, format: str = "png", watch: Watch | None = None
+) -> list[Path]:
     """Write figures into a folder that is made if missing, under their names; the paths written.
 
     FanfoldError for a format that there is none of.
@@ -127,8 +136,10 @@ def write_all(drawings: Iterable[Drawing], directory: Path, format: str = "png")
     directory.mkdir(parents=True, exist_ok=True)
     written = []
     for name, _, figure in drawings:
+        if watch is not None:
+            watch(name)
         written.append(directory / f"{name}.{format}")
-        figure.savefig(written[-1])
+        save_figure(figure, written[-1])
     return written
 
 

@@ -17,7 +17,7 @@ from components.contract.component import Vector
 
 from ..analysis.scene_check import SceneCheck, Sketch
 from .space import bounds, draw_bodies, set_view
-from .style import COLOURS, STYLE, WIDTH, empty_figure
+from .style import COLOURS, STYLE, WIDTH, empty_figure, save_figure
 
 _TRIAD = 0.06
 """Length of the axes of a frame, of the largest extent of a picture."""
@@ -33,7 +33,7 @@ def plot_scene(found: SceneCheck, folder: Path) -> list[Path]:
     """Write the picture of a scene without problems into a folder; the path written."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "scene.png"
-    draw_scene(found).savefig(path)
+    save_figure(draw_scene(found), path)
     return [path]
 
 

@@ -19,7 +19,7 @@ from components.flexible.stress import Indices
 
 from ..analysis.stress.hot_spots import PanelStress
 from ..results.key_figures import latch_times
-from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure
+from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure, label_events, save_figure
 
 _LEVELS = 16
 _MEGA = 1e-6
@@ -30,8 +30,8 @@ def plot_stress(found: PanelStress, folder: Path) -> list[Path]:
     """Pictures of the peak field and of the hottest nodes' histories; the paths written."""
     paths = [folder / f"{found.body}_stress_{what}.png" for what in ("field", "histories")]
     with mpl.rc_context(STYLE):
-        field_figure(found).savefig(paths[0])
-        hottest_figure(found).savefig(paths[1])
+        save_figure(field_figure(found), paths[0])
+        save_figure(hottest_figure(found), paths[1])
     return paths
 
 
@@ -102,12 +102,12 @@ def _histories(title: str, time: Vector, stress: Vector, nodes: Indices, marks: 
     axes = figure.subplots()
     for history, node, colour, dash in zip(stress.T, nodes, COLOURS, DASHES, strict=False):
         axes.plot(time, _MEGA * history, color=colour, linestyle=dash, linewidth=1.1, label=f"node {node}")
-    for name, instant in marks.items():
+    for instant in marks.values():
         axes.axvline(instant, color="0.5", linewidth=0.8, linestyle=":")
-        axes.annotate(
-            name, (instant, 1.0), (-2, -9), xycoords=("data", "axes fraction"),
-            textcoords="offset points", fontsize=7, ha="right",
-        )  # fmt: skip
-    axes.set(title=title, xlabel="time, s", ylabel="von Mises stress, MPa")
+    left, right = axes.get_xlim()
+    places = sorted(((instant - left) / (right - left), name) for name, instant in marks.items())
+    label_events(axes, places)
+    figure.suptitle(title)
+    axes.set(xlabel="time, s", ylabel="von Mises stress, MPa")
     axes.legend(fontsize=8)
     return figure

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from ..analysis.studies import Case, LatchStudy, latch_rows
 from ..results.key_figures import line_latch_torque
-from .style import STYLE, draw, new_figure
+from .style import STYLE, draw, new_figure, save_figure
 
 _RINGING = 0.5
 """s after latch-up that are shown"""
@@ -43,7 +43,7 @@ def draw_latch_torques(path: Path, title: str, cases: Sequence[Case]) -> None:
                 draw(panel, 1e3 * (result.time[shown] - start), [(case.label, torque)], first=k)
             panel.set(xlabel="time since latch-up, ms", ylabel=f"{name} latch torque, N.m")
             panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, frameon=False)
-        figure.savefig(path)
+        save_figure(figure, path)
 
 
 def draw_changes(path: Path, title: str, label: str, cases: Sequence[Case], reference: Case) -> None:
@@ -70,7 +70,7 @@ def draw_changes(path: Path, title: str, label: str, cases: Sequence[Case], refe
         axes.set_xticks(studied, [f"{value:g}" for value in studied])
         axes.margins(x=0.05)
         axes.legend(loc="best", frameon=False)
-        figure.savefig(path)
+        save_figure(figure, path)
 
 
 def _plain_decades(axes: Axes, changes: Sequence[float]) -> None:

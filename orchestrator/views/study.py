@@ -83,7 +83,7 @@ def _bars(one: Influence, axes: Axes) -> None:
     axes.set_yticks(range(len(ranked)), [_short(name) for name in ranked], fontsize=6)
     axes.axvline(0.0, color="black", linewidth=0.6)
     if one.explained is not None:
-        axes.set_title(f"straight lines explain {one.explained:.0%}", fontsize=7)
+        axes.set_title(f"linear fit R2 = {one.explained:.2f}", fontsize=7)
 
 
 def _scatter(study: Study) -> Figure | None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from io import BytesIO
 from math import ceil
+from pathlib import Path
 from typing import Any, Final, Literal
 
 from matplotlib.axes import Axes
@@ -11,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
+from components.cache.disk import replace_file
 from components.contract.component import Vector
 
 from ..results.result import Result
@@ -81,7 +84,7 @@ def finish(axes: Axes, result: Result, label: str, legend: bool = True) -> None:
     for time, _ in inside:
         axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
     labelled = list(dict.fromkeys(inside)) if len(set(inside)) * _columns(axes) <= _EVENT_LABELS else []
-    _label_events(axes, [((time - left) / (right - left), name) for time, name in labelled])
+    label_events(axes, [((time - left) / (right - left), name) for time, name in labelled])
     axes.set_xlabel("time, s")
     axes.set_ylabel(label)
     labels = axes.get_legend_handles_labels()[1]
@@ -157,7 +160,7 @@ def spread(places: Sequence[float], widths: Sequence[float]) -> list[float]:
     return found
 
 
-def _label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
+def label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
     """Names of events, at parts of the width, side by side above the axes and joined to their marks."""
     letter = _LETTER * _columns(axes)
     centres = spread([place for place, _ in events], [letter * (len(name) + 1) for _, name in events])
@@ -176,3 +179,13 @@ def _label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
                 "patchA": None, "relpos": (0.5, 0.0),  # from below the name, sooner than cut off at its box
             },
         )  # fmt: skip
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the path's ending, whole or not at all."""
+    content = BytesIO()
+    figure.savefig(content, format=path.suffix[1:] or None)
+    try:
+        replace_file(path, content.getvalue())
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..analysis.torque_margin.margins import TorqueMargin
 from ..analysis.torque_margin.rules import LIMIT, Margins, Torques
-from .style import COLOURS, STYLE, WIDTH, empty_figure
+from .style import COLOURS, STYLE, WIDTH, empty_figure, save_figure
 
 _MARKERS: Final = ("s", "^", "D", "v", "x")
 _DASHES: Final = {"sum": "-", "ECSS": "--"}
@@ -63,7 +63,7 @@ def draw_line(path: Path, title: str, cases: Sequence[tuple[str, Torques, Sequen
             axes.legend(
                 ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, frameon=False
             )
-        figure.savefig(path)
+        save_figure(figure, path)
 
 
 def _style(k: int) -> dict[str, Any]:

@@ -105,6 +105,53 @@ def test_initial_unknowns_have_derivatives(kind):
     assert fmu.start() == OK
 
 
+@pytest.mark.parametrize("kind", BACKENDS["native"])
+def test_initial_unknowns_follow_what_is_listed(kind):
+    """FMI 2.0, 2.2.8: what is not listed does not act, and no list means all that is known. Other inputs act on none.
+
+    Bodies and bases start from their parameters, so that a tool has no loop to solve through their ports.
+    """
+    fmu, reference = opened(kind)
+    component = reference.component
+    listed = {one.variable.valueReference: one.dependencies for one in fmu.description.initialUnknowns}
+    unlisted = [place for place, known in listed.items() if known is not None]
+    assert {one.causality for place in unlisted for one in listed[place]} <= {"parameter"}
+    if any(port.side == "body" for port in component.ports):
+        assert set(unlisted) >= set(range(reference.firsts[2], reference.firsts[3]))
+    before = fmu.slave.getReal(unlisted)
+    assert fmu.set(reference.firsts[1], reference.random_inputs(np.random.default_rng(7))) == OK
+    assert fmu.slave.getReal(unlisted) == before
+
+
+@pytest.mark.parametrize("kind", BACKENDS["native"])
+def test_derivatives_are_never_nan(kind):
+    """Rule: what is answered OK is a number. Regression: at extreme inputs, whose squares overflow, it was none."""
+    fmu, reference = opened(kind)
+    assert fmu.start() == OK
+    assert fmu.step(0.0, H) == OK
+    rng, unknowns, first = np.random.default_rng(1), unknowns_of(reference), reference.firsts[1]
+    refused = 0
+    for _ in range(40):
+        u = reference.u.copy()
+        u[rng.integers(u.size)] = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(100.0, 308.0)
+        assert fmu.set(first, u) == OK
+        known = [first + int(rng.integers(u.size))]
+        status = fmu.call("getDirectionalDerivative", unknowns, known, [1.0])
+        assert status in (OK, ERROR)
+        refused += status == ERROR
+        if status == OK:
+            assert np.all(np.isfinite(fmu.slave.getDirectionalDerivative(unknowns, known, [1.0])))
+    assert refused or kind not in ("hold_down", "point_motion", "suspension")  # where it was seen
+
+
+def test_a_step_has_to_move_time():
+    """In floats 1e30 s and a millisecond are 1e30 s."""
+    fmu, _ = opened("hinge")
+    assert fmu.start() == OK
+    assert fmu.step(1e30, H) == ERROR
+    assert "rounding" in fmu.log[-1]
+
+
 def test_a_refused_step_leaves_the_time():
     fmu, _ = opened("hinge")
     assert fmu.start() == OK

@@ -15,4 +15,4 @@ found = fanfold.study(
 )
 low, median, high = found.quantiles("latch_time.HL1")
 print(f"HL1 latches at {median:.2f} s, between {low:.2f} and {high:.2f} s in 90 % of all cases")
-print(found.not_latching()["HL1"])
+print(found.wing_not_opening())

@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import lru_cache
+from os.path import normpath
 from pathlib import Path
 
 import numpy as np
 
 from ...contract.component import ComponentError, Vector
+from ...contract.regular import is_regular
+from ..opening import reading
 from .entries import text_lines
 
 DECKS = (".inp", ".node", ".cdb")
@@ -61,18 +64,16 @@ def _moves(place: list[float]) -> bool:
 
 def included(path: Path) -> list[Path]:
     """An .inp and the files that it includes, whether they are there or not."""
-    found, left = [], [path]
+    found, left = dict[Path, None](), [path]
     while left:
         part = left.pop()
         if part in found:
             continue
-        found.append(part)
-        try:
+        found[part] = None
+        if is_regular(part):
             written = part.stat()
             left += _includes(part, written.st_mtime_ns, written.st_size)
-        except OSError:
-            continue
-    return found
+    return list(found)
 
 
 @lru_cache(maxsize=64)
@@ -88,25 +89,39 @@ def _included(path: Path, line: str) -> Path | None:
     if keyword.strip().upper() not in ("*INCLUDE", "*NODE"):
         return None
     found = re.search(r"INPUT\s*=\s*([^,]+)", parameters, re.IGNORECASE)
-    return None if found is None else path.with_name(found.group(1).strip().strip('"'))
+    return None if found is None else Path(normpath(path.parent / found.group(1).strip().strip('"')))
 
 
-def _keywords_and_rows(path: Path, within: tuple[Path, ...] = ()) -> Iterator[tuple[str, int, str]]:
-    """File, number and text of all lines that are no comments, with those of the files that are included."""
-    if path in within:
-        raise ComponentError(f"{path.name}: includes itself")
-    try:
-        lines = path.read_text(encoding="latin-1").splitlines()
-    except OSError as error:
-        raise ComponentError(f"{path.name}: cannot be read: {error.strerror}") from None
-    for number, line in enumerate(lines, 1):
-        text = line.strip()
-        if not text or text.startswith("**"):
+def _keywords_and_rows(path: Path) -> Iterator[tuple[str, int, str]]:
+    """File, number and text of all lines that are no comments, with those of included files.
+
+    Each file is read once. ComponentError where one cannot be read, or includes itself.
+    """
+    path = Path(normpath(path))
+    seen, open_files = {path}, [(path, _numbered(path))]
+    while open_files:
+        path, lines = open_files[-1]
+        number, text = next(lines, (0, ""))
+        if not number:
+            open_files.pop()
             continue
         yield path.name, number, text
         part = _included(path, text)
-        if part is not None:
-            yield from _keywords_and_rows(part, (*within, path))
+        if part is None:
+            continue
+        if any(part == other for other, _ in open_files):
+            raise ComponentError(f"{part.name}: includes itself")
+        if part not in seen:
+            seen.add(part)
+            open_files.append((part, _numbered(part)))
+
+
+def _numbered(path: Path) -> Iterator[tuple[int, str]]:
+    """Numbers and texts of the lines of a file that are no comments."""
+    with reading(path, "a part of the deck that includes it"):
+        lines = path.read_text(encoding="latin-1").splitlines()
+    stripped = ((number, line.strip()) for number, line in enumerate(lines, 1))
+    return ((number, text) for number, text in stripped if text and not text.startswith("**"))
 
 
 def _node(path: Path) -> Iterator[list[float]]:
@@ -129,6 +144,8 @@ def _cdb(path: Path) -> Iterator[list[float]]:
                     f"{path.name}: line {number}: {line.strip()!r} is no format of an NBLOCK"
                 )
             widths, within = (int(found.group(2)), int(found.group(1)), int(found.group(3))), "rows"
+            if not widths[0] or not widths[2]:
+                raise ComponentError(f"{path.name}: line {number}: {line.strip()!r} has fields of no width")
         elif within == "rows":
             if line.upper().startswith("N,") or line.strip().startswith("-1"):
                 return

@@ -42,6 +42,8 @@ def read_harwell_boeing(path: Path) -> SparseMatrix:
     try:
         counts = [int(lines[1][k : k + 14] or 0) for k in range(14, 70, 14) if lines[1][k : k + 14].strip()]
         rows, columns, entries = (int(lines[2][k : k + 14]) for k in (14, 28, 42))
+        if rows > sum(map(len, lines)):
+            raise ValueError(f"{rows} rows are announced")
         formats = [lines[3][:16], lines[3][16:32], lines[3][32:52]]
         first = 5 if len(counts) > 3 and counts[3] else 4
         parts = []

@@ -1,5 +1,8 @@
 /* Directional derivatives over a step, or at a communication point: see instance.h. */
 
+#include <math.h>
+
+#include "continuous.h"
 #include "differences.h"
 #include "evaluate.h"
 #include "input_slopes.h"
@@ -47,13 +50,9 @@ static ExactRanges exact_ranges(const Instance *instance, const uint32_t *knowns
     return instance->mode >= MODE_STEP ? outputs : none;
 }
 
-Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
-                           const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
+static Status derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count, const uint32_t *knowns,
+                         size_t known_count, const double *seed, double *result) {
     Reason why = {""};
-    for (size_t i = 0; i < known_count; i++)
-        if (!isfinite(seed[i]))
-            return instance_fail(instance, STATUS_ERROR, "the seed of value reference %lu is %g; it must be finite",
-                                 (unsigned long)knowns[i], seed[i]);
     const ExactRanges exact = exact_ranges(instance, knowns, known_count);
     Status status = differences_fill(instance, &exact, unknowns, unknown_count, knowns, known_count, seed, result);
     if (status != STATUS_OK || exact.end[0] == 0)
@@ -65,6 +64,20 @@ Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t 
         if (is_exact(&exact, unknowns[i]))
             result[i] = cimag(instance->complex_outputs[unknowns[i] - instance->ends[1]]) / FANFOLD_INFINITESIMAL;
     return STATUS_OK;
+}
+
+Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
+                           const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
+    Reason why = {""};
+    for (size_t i = 0; i < known_count; i++)
+        if (!isfinite(seed[i]))
+            return instance_fail(instance, STATUS_ERROR, "the seed of value reference %lu is %g; it must be finite",
+                                 (unsigned long)knowns[i], seed[i]);
+    const Status status = (instance->continuous.used ? continuous_derivative : derivative)(
+        instance, unknowns, unknown_count, knowns, known_count, seed, result);
+    if (status == STATUS_OK && !evaluate_derivatives_finite(instance, unknowns, result, unknown_count, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    return status;
 }
 
 Status instance_port_stiffness(Instance *instance, size_t ports, double *matrix) {

@@ -70,6 +70,19 @@ static int values_finite(const Instance *instance, size_t first, size_t end, Rea
     return refuse(why, "%s is not finite (%g)", name, instance->values[first + bad]);
 }
 
+int evaluate_derivatives_finite(const Instance *instance, const uint32_t *unknowns, const double *result, size_t count,
+                                Reason *why) {
+    size_t bad = 0;
+    char name[200] = "the rate of a continuous state";
+    if (evaluate_all_finite(result, count, &bad))
+        return 1;
+    if (!orientations_given(instance, why))
+        return 0;
+    if (unknowns[bad] < instance->ends[3])
+        layout_scalar_name(instance, unknowns[bad], name, sizeof name);
+    return refuse(why, "the derivative of %s is not finite (%g)", name, result[bad]);
+}
+
 int evaluate_state_finite(const Instance *instance, const double *x, Reason *why) {
     size_t bad = 0;
     if (instance->kernel->checks_itself || evaluate_all_finite(x, instance->states, &bad))

@@ -15,6 +15,9 @@ double *evaluate_inputs(const Instance *instance);
 /* Whether all numbers are finite; *bad is the first that is not. */
 int evaluate_all_finite(const double *numbers, size_t count, size_t *bad);
 int evaluate_state_finite(const Instance *instance, const double *x, Reason *why);
+/* Whether the derivatives of unknowns, just computed, are finite: those at extreme inputs overflow. */
+int evaluate_derivatives_finite(const Instance *instance, const uint32_t *unknowns, const double *result, size_t count,
+                                Reason *why);
 
 /* The state at the start, as long as initialization goes on. */
 int evaluate_initial(Instance *instance, Reason *why);

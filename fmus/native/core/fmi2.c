@@ -228,10 +228,8 @@ FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
                                                     const fmi2ValueReference knowns[], size_t known_count,
                                                     const fmi2Real seed[], fmi2Real result[]) {
     Instance *instance = fmi2_instance_of(component);
-    if (!instance)
-        return fmi2Error;
-    return (fmi2Status)(instance->continuous.used ? continuous_derivative : instance_derivative)(
-        instance, unknowns, unknown_count, knowns, known_count, seed, result);
+    return instance ? (fmi2Status)instance_derivative(instance, unknowns, unknown_count, knowns, known_count, seed, result)
+                    : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fanfoldGetPortStiffness(fmi2Component component, size_t ports, fmi2Real stiffness[]) {

@@ -48,10 +48,10 @@ Status instance_terminate(Instance *instance) {
     return STATUS_OK;
 }
 
-/* Have the tolerance of the host for a parameter, unless that was set already. */
+/* Have the tolerance of the host for a parameter, unless that was set already; hosts without one often give 0. */
 static Status take_tolerance(Instance *instance, double tolerance) {
     const size_t place = instance->sizes.parameters - 1;
-    if (!instance->kernel->steps_inside || instance->values[place] != instance->start[place])
+    if (!instance->kernel->steps_inside || tolerance == 0.0 || instance->values[place] != instance->start[place])
         return STATUS_OK;
     if (!(tolerance >= instance->minimum[place] && tolerance <= instance->maximum[place]))
         return instance_fail(instance, STATUS_WARNING, "the tolerance of the experiment is %g; it must be from %g to %g, "
@@ -136,7 +136,8 @@ static Status not_finite(Instance *instance, uint32_t reference, double value) {
     if (reference >= instance->ends[3])
         return settable(instance, reference);
     layout_scalar_name(instance, reference, name, sizeof name);
-    return instance_fail(instance, STATUS_ERROR, "%s cannot be set to %g; it must be a finite number", name, value);
+    const Status status = instance->mode == MODE_CONTINUOUS ? STATUS_DISCARD : STATUS_ERROR; /* a solver's trial, or not */
+    return instance_fail(instance, status, "%s cannot be set to %g; it must be a finite number", name, value);
 }
 
 /* Sets one value between events. STATUS_WARNING for a discrete input that would change: it keeps its value until
@@ -164,7 +165,7 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
     int parameters = 0, continuous = instance->mode == MODE_CONTINUOUS;
     Status status = STATUS_OK, worst = STATUS_OK;
     size_t bad = 0;
-    if (!instance->continuous.used && !evaluate_all_finite(values, count, &bad)) /* a solver's trial is refused later, as a value */
+    if (!evaluate_all_finite(values, count, &bad))
         return not_finite(instance, references[bad], values[bad]);
     if (!continuous && contiguous(references, count) && references[0] >= instance->ends[0] &&
         references[count - 1] < instance->ends[1]) {
@@ -240,6 +241,9 @@ static Status make_step(Instance *instance, double stands_at, double *step_size,
                              "where the next one begins", instance->time, stands_at);
     if (!(h > 0.0 && isfinite(h)))
         return instance_fail(instance, STATUS_ERROR, "the communication step size is %g s; it must be positive", h);
+    if (instance->time + h == instance->time)
+        return instance_fail(instance, STATUS_ERROR, "the communication step size %g s is lost in the rounding of the time %g s",
+                             h, instance->time);
     if (instance_check_stop(instance, instance->time + h) != STATUS_OK)
         return STATUS_ERROR;
     if (evaluate_ready(instance, &why) &&

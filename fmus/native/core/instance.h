@@ -123,7 +123,8 @@ Status instance_update_discrete_states(Instance *instance);
 /* The same in step mode, for hosts without event mode. */
 Status instance_let_happen(Instance *instance);
 
-/* Derivative of outputs and observations along `seed` of inputs. After a step: of those at its end with respect to
+/* Derivative of outputs and observations, in model exchange of rates as well, along `seed` of inputs; STATUS_ERROR where
+   it is not finite. After a step: of those at its end with respect to
    the inputs of that step, and by tunable parameters where it was made of steps inside. Otherwise, and of rates or by
    states, at the present instant, as the standard means it; during initialization by parameters too. */
 Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,

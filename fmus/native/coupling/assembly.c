@@ -12,6 +12,7 @@
 #include <string.h>
 
 #define SAME_EVENT 1e-9 /* s */
+#define MOST_STEPS_INSIDE 1e6 /* of a communication step: from seconds to minutes */
 
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, rates
    at latch-up, whether latched, and peaks. */
@@ -214,6 +215,7 @@ static double crest(const double *times, const double *values, size_t count) {
 static void note_peaks(Assembly *a, size_t row) {
     const double *ring = a->ring, segment = ring[row * a->row_size + 1];
     size_t count = 1;
+    if (segment < 0.0) return; /* a state between the impulses of a lock */
     while (count <= row && ring[(row - count) * a->row_size + 1] == segment) count++;
     for (size_t i = 0; i < a->peak_count; i++) {
         double times[RING], values[RING];
@@ -661,6 +663,21 @@ static int has_changed(const Assembly *a, const double *u) {
     return a->noted.acts || memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0;
 }
 
+/* Whether a communication step (s) from a state comes to its end soon enough: nothing can interrupt it, and each step
+   inside has to move time on. */
+static int is_made_soon(const Assembly *a, const double *x, double h, Reason *why) {
+    const StepSizes *sizes = &a->master.sizes;
+    const double end = x[AT_TIME] + h;
+    if (!(h <= MOST_STEPS_INSIDE * sizes->largest))
+        return refuse(why, "a communication step of %g s needs %.2g steps inside, and at most %g are made; make more "
+                      "communication steps, of at most %.3g s", h, h / sizes->largest, MOST_STEPS_INSIDE,
+                      MOST_STEPS_INSIDE * sizes->largest);
+    if (end + sizes->smallest == end)
+        return refuse(why, "steps inside of %g s are lost in the rounding of %g s since the start; begin anew",
+                      sizes->smallest, end);
+    return 1;
+}
+
 /* Stand where a state was written down, and let what the host has changed act there. */
 static int begin(Assembly *a, const double *x, const double *u) {
     a->said[0] = a->master.said[0] = '\0';
@@ -678,6 +695,7 @@ static int run_on(Assembly *a, const double *u, double h, int to_event) {
 
 static int step(void *self, const double *x, const double *u, double h, double *x_next, Reason *why) {
     Assembly *a = self;
+    if (!is_made_soon(a, x, h, why)) return 0;
     if (!begin(a, x, u) || !run_on(a, u, h, 0)) return refuse_run(a, why);
     a->at_event = NO_EVENT;
     a->time += h;
@@ -687,6 +705,7 @@ static int step(void *self, const double *x, const double *u, double h, double *
 
 static int step_to_event(void *self, const double *x, const double *u, double *h, int *due, double *x_next, Reason *why) {
     Assembly *a = self;
+    if (!is_made_soon(a, x, *h, why)) return 0;
     if (!begin(a, x, u) || !run_on(a, u, *h, 1)) return refuse_run(a, why);
     *due = met_event(a, a->time + *h);
     const double end = *due ? a->master.event_time : a->time + *h;

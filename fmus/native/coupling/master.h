@@ -89,7 +89,7 @@ struct Master {
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
     double start_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
-    size_t lines, events, strikes, impulses, steps, rejected, happened, repeats, untold;
+    size_t lines, events, strikes, impulses, steps, rejected, happened, repeats, untold, between;
     char said[512];
 };
 
@@ -181,7 +181,7 @@ static void add_row(Master *m, double time, double h) {
     hand_on_rows(m);
     for (size_t i = 0; i < r->columns; i++) m->row_values[i] = m->network.observations[r->recorded[i]];
     channels_of(m, h, 0.0, m->row_values + r->columns);
-    m->row(m->taker, time, m->segment + 0.5, m->row_values);
+    m->row(m->taker, time, m->between ? -m->segment - 0.5 : m->segment + 0.5, m->row_values);
     m->held_segment = m->segment;
 }
 
@@ -367,7 +367,10 @@ static int make_impulse(Master *m, double h) {
     forget_stiffnesses(s);
     if (!observe_all(m)) return 0;
     note_energies(&m->loop);
+    /* joints without their rates and no lock yet, and a lock that still moves, are states of no wing: outputs pass by them */
+    m->between = h == INSTANT;
     add_row(m, m->loop.time, h);
+    m->between = 0;
     m->untold = 0;
     memset(m->roughness, 0, m->loop.rows.corrections * sizeof(double));
     return 1;

@@ -88,6 +88,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_ANGLE] = angle;
     z[Z_ANGULAR_RATE] = rate;
     for (int i = 0; i < HEAT_CAUSES; i++) z[Z_FRICTION_ENERGY + i] = x[X_FRICTION_HEAT + i];
+    z[Z_LATCH_IMPULSE] = x[X_LATCH_IMPULSE];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
     if (!hinge->base.endpoint) store_lagged_loads(hinge, x, z);
     if (grip.failed) {

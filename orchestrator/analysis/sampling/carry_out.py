@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError
 from contextlib import AbstractContextManager
-from dataclasses import replace
+from dataclasses import replace as with_values
 from pathlib import Path
 from typing import Any
 
+from ...results.differences import leaves
+from ...results.earlier import unlike
 from ...run.simulation import Options
 from ...scene.builder import Scene
+from ...scene.digests import digests
+from ...scene.layers import data_files
+from ...scene.plugins.trust import trust_data
 from .distributions import StudyError
 from .journal import Asked, Journal
 from .plan import Plan
-from .same_files import digests, refuse_changed
+from .same_files import refuse_changed
 from .sample import Sample, Task, run_sample
 from .study import Study, plan_of
 from .varied import Settings
@@ -26,12 +33,20 @@ StudyProgress = Callable[[str, int], AbstractContextManager[Watch]]
 
 
 def begin(
-    task: Task, plan: Plan, output: Path | None, workers: int, cluster: str | None, progress: StudyProgress
+    task: Task,
+    plan: Plan,
+    output: Path | None,
+    workers: int,
+    cluster: str | None,
+    progress: StudyProgress,
+    *,
+    replace: bool = True,
 ) -> Study:
     """Carry a study out; StudyError, SceneError or RunError before the first run where it cannot be.
 
     output: its HDF5 file, beside which stand a table of the samples (.csv) and, until it is whole, its journal; None
     for memory alone. workers: processes. cluster: address of a Dask scheduler, whose workers take the place of those.
+    replace: a study of other settings in that file.
     """
     _refuse_overruled(task, plan)
     asked = asked_of(task, plan)
@@ -40,7 +55,10 @@ def begin(
     if output is None:
         return _carried_out(task, asked, [], None, workers, cluster, progress)
     if output.exists():
-        Study.open(output)  # replaces a study, and nothing else
+        before = Study.open(output).asked  # replaces a study, and nothing else
+        now = json.loads(json.dumps(asked))
+        if not replace and (sentence := unlike(output, dict(leaves("", before)), dict(leaves("", now)))):
+            raise StudyError(sentence)
     with Journal.begin(output, asked) as journal:
         return _saved(output, journal, _carried_out(task, asked, [], journal, workers, cluster, progress))
 
@@ -56,10 +74,17 @@ def _refuse_overruled(task: Task, plan: Plan) -> None:
             )
 
 
-def go_on(output: Path, workers: int, cluster: str | None, progress: StudyProgress) -> Study:
-    """Go on with the interrupted study of a file, with the samples that it lacks; StudyError where there is none."""
+def go_on(
+    output: Path, workers: int, cluster: str | None, progress: StudyProgress, trust: bool = False
+) -> Study:
+    """Go on with the interrupted study of a file, with the samples that it lacks; StudyError where there is none.
+
+    trust: the files of data that it names may be opened.
+    """
     journal, asked, samples = Journal.resume(output)
     with journal:
+        if trust:
+            trust_data(data_files(asked["tree"]))
         task = _task_of(asked)
         refuse_changed(output, task.scene, asked.get("files", {}))
         found = _carried_out(task, asked, samples, journal, workers, cluster, progress)
@@ -88,20 +113,31 @@ def _carried_out(
         found = (
             map(lambda job: run_sample(task, *job), jobs) if here else carried_out(task, jobs, workers, pool)
         )
-        for sample in found:
-            samples.append(sample)
-            if journal is not None:
-                journal.append(sample)
-            failed += bool(sample.message)
-            show(len(samples), failed)
+        try:
+            for sample in found:
+                samples.append(sample)
+                if journal is not None:
+                    journal.append(sample)
+                failed += bool(sample.message)
+                show(len(samples), failed)
+        except (CancelledError, OSError) as error:
+            if cluster is None:
+                raise
+            raise StudyError(_lost_scheduler(cluster, journal)) from error
     return Study.of(asked, samples)
+
+
+def _lost_scheduler(address: str, journal: Journal | None) -> str:
+    """What has happened to a cluster, and how its study goes on."""
+    on = "begin it again" if journal is None else f"go on with `fanfold study {journal.study}`"
+    return f"{address}: the Dask scheduler no longer answers; {on}, with --cluster once it runs again"
 
 
 def _saved(output: Path, journal: Journal, study: Study) -> Study:
     study.save_csv(output.with_suffix(".csv"))
     path = study.save(output)
     journal.remove()
-    return replace(study, path=path)
+    return with_values(study, path=path)
 
 
 def _jobs(task: Task, plan: Plan) -> list[Job]:
@@ -132,7 +168,7 @@ def asked_of(task: Task, plan: Plan) -> dict[str, Any]:
         "runs": plan.runs,
         "levels": plan.levels,
         "seed": plan.seed,
-        "files": digests(task.scene),
+        "files": digests(scene),
     }
 
 

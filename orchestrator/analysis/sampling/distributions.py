@@ -1,11 +1,11 @@
-"""Distributions of what a study varies, as people write them: "uniform(0.05, 0.2)", "normal(1.65 N.m, 0.05 N.m)"."""
+"""Distributions of what a study varies, as people write them: "uniform(0.05, 0.2)", "normal(1.65 N.m, 3 %)"."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import log
+from math import exp, log1p, sqrt
 from typing import Any
 
 import numpy as np
@@ -57,23 +57,38 @@ def distribution(text: str) -> Distribution:
     """What a text such as "uniform(1.6 N.m, 1.7 N.m)" means; StudyError with a sentence where it means none."""
     call = _CALL.fullmatch(text)
     if call is None or call[1] not in _MAKERS:
-        raise StudyError(f"{text!r} is no distribution; give one of {', '.join(_FORMS.values())}")
-    numbers, unit = _numbers(text, call[2])
+        raise StudyError(
+            f"{text!r} is no distribution; give one of {', '.join(form for form, _ in FORMS.values())}"
+        )
+    numbers, unit = _numbers(text, call[2], call[1])
     maker, count = _MAKERS[call[1]]
     if count is not None and len(numbers) != count:
-        raise StudyError(f"{text!r} has {len(numbers)} numbers; it is written {_FORMS[call[1]]}")
+        raise StudyError(f"{text!r} has {len(numbers)} numbers; it is written {FORMS[call[1]][0]}")
     return maker(text, unit, numbers)
 
 
-def _numbers(text: str, inside: str) -> tuple[list[float], str]:
-    """Numbers between commas and the unit of all of them."""
-    numbers, units = [], set()
+def _numbers(text: str, inside: str, kind: str) -> tuple[list[float], str]:
+    """Numbers between commas and the unit of all of them; a deviation in % is converted to that unit."""
+    numbers: list[float] = []
+    units: set[str] = set()
     for part in inside.split(","):
         found = QUANTITY.fullmatch(part)
         if found is None or not np.isfinite(float(found[1])):
             raise StudyError(f"{text!r}: {part.strip()!r} is no finite number")
-        numbers.append(float(found[1]))
-        units.add(found[2])
+        number, unit = float(found[1]), found[2]
+        if (
+            len(numbers) == 1
+            and unit == "%"
+            and (kind == "lognormal" or (kind in _RELATIVE and units != {"%"}))
+        ):
+            numbers.append(0.01 * number * abs(numbers[0]))
+            continue
+        if len(numbers) == 1 and kind == "lognormal":
+            raise StudyError(
+                f"{text!r}: write the coefficient of variation in %; the form is {FORMS[kind][0]}"
+            )
+        numbers.append(number)
+        units.add(unit)
     if len(units) > 1:
         raise StudyError(f"{text!r}: its numbers have different units; write all of them in one")
     return numbers, units.pop()
@@ -100,10 +115,11 @@ def _normal(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
 
 
 def _lognormal(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
-    median, ratio = numbers
-    _refuse(text, median > 0.0 and ratio > 1.0, "its median must be positive, and its ratio more than 1")
-    found, edge = scipy.stats.lognorm(log(ratio), scale=median), ratio**_SIGMAS
-    return _bounded(text, unit, found, median / edge, median * edge)
+    mean, deviation = numbers
+    _refuse(text, mean > 0.0 and deviation > 0.0, "its mean and coefficient of variation must be positive")
+    shape = sqrt(log1p((deviation / mean) ** 2))  # standard deviation of the logarithm
+    median, edge = mean * exp(-0.5 * shape**2), exp(_SIGMAS * shape)
+    return _bounded(text, unit, scipy.stats.lognorm(shape, scale=median), median / edge, median * edge)
 
 
 def _truncated(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
@@ -135,14 +151,27 @@ def _refuse(text: str, holds: bool, sentence: str) -> None:
 
 
 _Maker = Callable[[str, str, Sequence[float]], Distribution]
-_FORMS: Mapping[str, str] = {
-    "uniform": "uniform(LOW, HIGH)",
-    "normal": "normal(MEAN, DEVIATION)",
-    "truncated_normal": "truncated_normal(MEAN, DEVIATION, LOW, HIGH)",
-    "lognormal": "lognormal(MEDIAN, RATIO)",
-    "triangular": "triangular(LOW, MODE, HIGH)",
-    "values": "values(A, B, ...)",
+FORMS: Mapping[str, tuple[str, str]] = {
+    "uniform": ("uniform(LOW, HIGH)", "every value from LOW to HIGH is equally likely"),
+    "normal": (
+        "normal(MEAN, DEVIATION)",
+        "mean and standard deviation; the deviation may be in % of the mean: normal(1.65 N.m, 3 %)",
+    ),
+    "truncated_normal": (
+        "truncated_normal(MEAN, DEVIATION, LOW, HIGH)",
+        "normal between LOW and HIGH; mean and deviation are those before truncation",
+    ),
+    "lognormal": (
+        "lognormal(MEAN, COV %)",
+        "mean and coefficient of variation (standard deviation over mean): lognormal(0.15 N.m, 40 %) has a mean of "
+        "0.15 N.m, a deviation of 0.06 N.m and a median of 0.139 N.m",
+    ),
+    "triangular": ("triangular(LOW, MODE, HIGH)", "MODE is the most likely value"),
+    "values": ("values(A, B, ...)", "each value is equally likely; repeat one to weight it"),
 }
+"""How each distribution is written, and what its numbers mean."""
+_RELATIVE = ("normal", "truncated_normal")
+"""Whose deviation may be in % of the mean; a mean in % has its deviation in the same %."""
 _MAKERS: Mapping[str, tuple[_Maker, int | None]] = {
     "uniform": (_uniform, 2),
     "normal": (_normal, 2),

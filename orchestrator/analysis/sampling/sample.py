@@ -50,13 +50,14 @@ class Sample:
     """How one run went.
 
     message: why it failed, empty where it did not. numbers: value, unit and estimated error (None for none) of
-    headline numbers, by identifier. latched: of every line with a latch. signals: (times,) by COMPONENT.VARIABLE.
+    headline numbers, by identifier. opened: of every line with a latch or an end stop. signals: (times,) by
+    COMPONENT.VARIABLE.
     """
 
     index: int
     message: str = ""
     numbers: Mapping[str, tuple[float, str, float | None]] = field(default_factory=dict)
-    latched: Mapping[str, bool] = field(default_factory=dict)
+    opened: Mapping[str, bool] = field(default_factory=dict)
     signals: Mapping[str, tuple[Sequence[float], str]] = field(default_factory=dict)
 
 
@@ -98,7 +99,8 @@ def run_sample(task: Task, index: int, settings: Settings) -> Sample:
         return Sample(
             index,
             numbers={one.id: (float(one.value), one.unit, one.error) for one in found.numbers()},
-            latched=dict.fromkeys(found.latch_times, True) | dict.fromkeys(found.unlatched_angles, False),
+            opened=dict.fromkeys((*found.latch_times, *found.reached_stops), True)
+            | dict.fromkeys(found.not_opened, False),
             signals=_signals(result, task),
         )
     except InterruptedRunError:  # of the whole study, not of this sample

@@ -6,6 +6,7 @@ import csv
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import ceil, log, log1p
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -30,13 +31,32 @@ _CONFIDENCE = 0.95
 
 
 class Share(NamedTuple):
-    """A share of samples, and the bounds of the probability that it stands for at 95 % confidence."""
+    """Failures among samples, and what they say of the failure probability at 95 % confidence (Clopper and Pearson).
+
+    low, high: the two-sided interval; below: the one-sided upper bound.
+    """
 
     share: float
     low: float
     high: float
+    below: float
     samples: int
     among: int
+
+    @classmethod
+    def of(cls, samples: int, among: int) -> Self:
+        """From failures among so many samples, at least one, drawn at random."""
+        both = scipy.stats.binomtest(samples, among).proportion_ci(_CONFIDENCE)
+        upper = scipy.stats.binomtest(samples, among, alternative="less").proportion_ci(_CONFIDENCE)
+        return cls(samples / among, float(both.low), float(both.high), float(upper.high), samples, among)
+
+
+def runs_for(bound: float) -> int:
+    """Fewest runs that without a failure show a failure probability below a bound at 95 % confidence.
+
+    Exact for the binomial distribution: (1 - bound)^runs <= 5 %.
+    """
+    return ceil(log(1.0 - _CONFIDENCE) / log1p(-bound))
 
 
 @dataclass(frozen=True)
@@ -45,8 +65,8 @@ class Study:
 
     asked: what the study was asked for. finished: of every sample, whether its run came to its end; messages: why not,
     empty where it did or where it has not run. parameters (samples,): drawn values by name. numbers, errors (samples,):
-    headline numbers and their estimated errors, units, by identifier such as `latch_time.HL1`. latched (samples,): 1, 0
-    or NaN of every line with a latch. signals (samples, T) at times (T,), s.
+    headline numbers and their estimated errors, units, by identifier such as `latch_time.HL1`. opened (samples,): 1, 0
+    or NaN of every line with a latch or an end stop. signals (samples, T) at times (T,), s.
     """
 
     asked: Asked
@@ -56,7 +76,7 @@ class Study:
     numbers: Mapping[str, Vector]
     errors: Mapping[str, Vector]
     units: Mapping[str, str]
-    latched: Mapping[str, Vector]
+    opened: Mapping[str, Vector]
     times: Vector
     signals: Mapping[str, Vector] = field(default_factory=dict)
     path: Path | None = None
@@ -80,8 +100,8 @@ class Study:
                 units[name] = unit
                 if error is not None:
                     errors.put(name, one.index, error)
-            for name, latched in one.latched.items():
-                kept.put(name, one.index, latched)
+            for name, opened in one.opened.items():
+                kept.put(name, one.index, opened)
             for name, (values, unit) in one.signals.items():
                 signals.put(name, one.index, values)
                 units[name] = unit
@@ -127,33 +147,36 @@ class Study:
         main = {quantity_identifier(quantity) for quantity in (*PROMISED, "latch rate")}
         return [name for name in self.numbers if name.partition(".")[0] in main]
 
-    def not_latching(self) -> dict[str, Share]:
-        """By line with a latch, how many samples do not latch, and the bounds of its probability.
+    def not_opening(self) -> dict[str, Share]:
+        """By line with a latch or an end stop, in how many samples it has not latched or come to its stop.
 
-        Bounds are those of Clopper and Pearson (1934), which hold for samples drawn at random; of "sobol-indices" the
-        first 2 N samples are, and all others repeat their values.
+        Bounds hold for samples drawn at random; of "sobol-indices" the first 2 N are, and all others repeat their
+        values.
         """
-        found = {}
-        for line, values in self.latched.items():
-            known = values[: self.plan.independent]
-            known = known[np.isfinite(known)]
-            if not known.size:
-                continue
-            missed, count = int((known == 0.0).sum()), len(known)
-            bounds = scipy.stats.binomtest(missed, count).proportion_ci(_CONFIDENCE)
-            found[line] = Share(missed / count, float(bounds.low), float(bounds.high), missed, count)
-        return found
+        columns = {line: values[: self.plan.independent] for line, values in self.opened.items()}
+        known = {line: values[np.isfinite(values)] for line, values in columns.items()}
+        return {
+            line: Share.of(int((values == 0.0).sum()), len(values))
+            for line, values in known.items()
+            if values.size
+        }
+
+    def wing_not_opening(self) -> Share | None:
+        """In how many finished samples a line has not opened, whichever; None where no line has a latch or a stop."""
+        lines = np.array([values[: self.plan.independent] for values in self.opened.values()])
+        lines = lines[:, np.isfinite(lines).any(axis=0)] if lines.size else lines
+        return Share.of(int((lines == 0.0).any(axis=0).sum()), lines.shape[1]) if lines.size else None
 
     def to_dataframe(self) -> Any:  # noqa: ANN401 - pandas may be absent
-        """Samples as a table (pandas.DataFrame): drawn values, numbers, latched lines, messages."""
+        """Samples as a table (pandas.DataFrame): drawn values, numbers, opened lines, messages."""
         try:
             import pandas as pd
         except ImportError:
             raise StudyError(
                 "a data frame needs pandas, which is not installed: pip install pandas"
             ) from None
-        latched = {f"{line} latched": values for line, values in self.latched.items()}
-        columns = {**self.parameters, **self.numbers, **latched, "message": list(self.messages)}
+        opened = {f"{line} opened": values for line, values in self.opened.items()}
+        columns = {**self.parameters, **self.numbers, **opened, "message": list(self.messages)}
         return pd.DataFrame(columns, index=pd.RangeIndex(len(self.messages), name="sample"))
 
     def save_csv(self, path: str | Path) -> Path:
@@ -163,11 +186,11 @@ class Study:
         heads = [f"{name}, {unit}" if (unit := self.units.get(name)) else name for name in columns]
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
-            writer.writerow(["sample", *heads, *(f"{line} latched" for line in self.latched), "message"])
+            writer.writerow(["sample", *heads, *(f"{line} opened" for line in self.opened), "message"])
             for k, message in enumerate(self.messages):
                 values = [_cell(column[k]) for column in columns.values()]
-                latched = [_cell(column[k]) for column in self.latched.values()]
-                writer.writerow([k, *values, *latched, message])
+                opened = [_cell(column[k]) for column in self.opened.values()]
+                writer.writerow([k, *values, *opened, message])
         return path
 
     def save(self, path: str | Path) -> Path:
@@ -207,9 +230,9 @@ class Study:
                 finished, times = file["finished"][()], file["times"][()]
         except HDF5_ERRORS as error:
             raise StudyError(f"{path}: this study cannot be read ({reason(error)})") from None
-        parameters, numbers, errors, latched, signals = tables.values()
+        parameters, numbers, errors, opened, signals = tables.values()
         return cls(
-            asked, finished, messages, parameters, numbers, errors, units, latched, times, signals, path
+            asked, finished, messages, parameters, numbers, errors, units, opened, times, signals, path
         )
 
     def __repr__(self) -> str:
@@ -231,7 +254,7 @@ class _Columns(dict[str, Vector]):
         self[name][row] = value
 
 
-_TABLES = ("parameters", "numbers", "errors", "latched", "signals")
+_TABLES = ("parameters", "numbers", "errors", "opened", "signals")
 
 
 def plan_of(asked: Asked) -> Plan:

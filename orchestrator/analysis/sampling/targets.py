@@ -16,7 +16,8 @@ from components.contract.component import Vector
 from components.contract.errors import unknown
 
 from ...cosim.rows import recorded_layout
-from ...results.identifiers import in_order
+from ...results.identifiers import identifier, in_order
+from ...results.key_figures import UNLATCHED
 from ...scene.units import QUANTITY, UNITS, to_si
 from .distributions import StudyError
 from .sample import Sample, Task
@@ -205,9 +206,9 @@ def _unknown(
     # what a line has of it once it latches
     missing = {
         f"{quantity}.{line}": (line, unit)
-        for line, latched in sample.latched.items()
+        for line in sample.opened
         for quantity, unit in _OF_A_LATCH_UP.items()
-        if not latched
+        if identifier(UNLATCHED, line) in sample.numbers
     }
     for one in targets:
         line, unit = missing.get(one.number, ("", ""))

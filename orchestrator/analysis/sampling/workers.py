@@ -5,10 +5,13 @@ Samples that were under way when a process died are run again one by one, so tha
 
 from __future__ import annotations
 
+import logging
+import os
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
 
 from .distributions import StudyError
 from .sample import Sample, Task, run_sample
@@ -22,13 +25,14 @@ _AHEAD = 2
 """Samples handed out to each worker, so that none waits."""
 ANSWER = 10.0
 """s within which the scheduler of a cluster must answer."""
+_STDERR = 2
 _ONE_THREAD: Mapping[str, str] = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"
 )
 
 
 def carried_out(task: Task, jobs: Sequence[Job], workers: int, pool: Pool) -> Iterator[Sample]:
-    """Samples as they are finished, in any order."""
+    """Samples as they are finished, in any order; CancelledError where a cluster has lost its scheduler."""
     waiting, suspects = deque(jobs), deque[Job]()
     while waiting:
         yield from _until_one_dies(task, waiting, workers, _AHEAD * workers, pool, suspects)
@@ -86,6 +90,7 @@ def local(workers: int) -> Iterator[Executor]:
     """Processes of this machine, each with one thread; they end with what is run in them where that is interrupted."""
     from loky import ProcessPoolExecutor
 
+    _start_tracker_silently()
     executor = ProcessPoolExecutor(workers, env=dict(_ONE_THREAD))
     finished = False
     try:
@@ -93,6 +98,20 @@ def local(workers: int) -> Iterator[Executor]:
         finished = True
     finally:
         executor.shutdown(wait=True, kill_workers=not finished)
+
+
+def _start_tracker_silently() -> None:
+    """Start loky's tracker of semaphores with no terminal: after kills it prints leaks that it cleans up itself."""
+    from loky.backend import resource_tracker
+
+    kept = os.dup(_STDERR)
+    try:
+        with Path(os.devnull).open("w") as nowhere:
+            os.dup2(nowhere.fileno(), _STDERR)
+            resource_tracker.ensure_running()
+    finally:
+        os.dup2(kept, _STDERR)
+        os.close(kept)
 
 
 def dask(address: str) -> Pool:
@@ -108,7 +127,15 @@ def dask(address: str) -> Pool:
             client = Client(address, timeout=ANSWER)
         except (OSError, ValueError) as error:
             raise StudyError(f"{address}: no Dask scheduler answers there ({error})") from None
-        with client:
-            yield client.get_executor(pure=False)
+        log = logging.getLogger(
+            "distributed.client"
+        )  # it logs tracebacks of what the study says in a sentence
+        level = log.level
+        log.setLevel(logging.CRITICAL + 1)
+        try:
+            with client:
+                yield client.get_executor(pure=False)
+        finally:
+            log.setLevel(level)
 
     return cluster

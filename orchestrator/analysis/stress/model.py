@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,9 +15,11 @@ from components.flexible.reduction import inertia_relief, orthonormal_modes
 from components.flexible.stress import Indices, StressRecovery, stress_recovery
 from components.flexible.von_karman import tension_fields
 
+from ...results.parts import json_of
 from ...results.result import Result, ResultError
 from ...scene.bodies import body_definition, body_model
 from ...scene.body_tables import Body
+from ...scene.layers import Tree
 from ...scene.reader import read_scene
 from ...scene.schema import CheckedScene
 from .body_acceleration import acceleration_field
@@ -83,12 +84,16 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
 
 
 def scene_of(result: Result) -> CheckedScene:
-    """The scene that a result holds; ResultError where it holds none."""
-    try:
-        tree = json.loads(result.provenance["scene_tree"])
-    except (KeyError, ValueError):
-        raise ResultError(f"{result.name}: the result does not hold its scene; run the scene again") from None
-    return read_scene(f"{result.name} (scene)", tree)
+    """The scene that a result holds, without its plugins; ResultError where it holds none, SceneError for a bad one."""
+    return read_scene(f"{result.name} (scene)", scene_tree(result), of_result=True)
+
+
+def scene_tree(result: Result) -> Tree:
+    """Its tables; ResultError where it holds none."""
+    tree = json_of(result.provenance.get("scene_tree", ""))
+    if not isinstance(tree, dict):
+        raise ResultError(f"{result.name}: the result does not hold its scene; run the scene again")
+    return tree
 
 
 def _forms(result: Result, body: str, data: ModalData) -> Vector:

@@ -22,7 +22,7 @@ from .undriven import uncounted, with_motor, without_margin
 _BASE, _COLD = "base", "cold"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TorqueMargin:
     """Margins of every driven line and of coupled ones together in every case, and why other lines have none."""
 
@@ -37,6 +37,10 @@ class TorqueMargin:
     def passes(self) -> bool:
         """Whether all lines, coupled ones together, keep the limit by both rules over their travel in every case."""
         return all(rule.passes for found in self.lines if found.counts for rule in found.margins)
+
+    def __repr__(self) -> str:
+        verdict = "passes" if self.passes else "fails"
+        return f"<TorqueMargin {verdict} the limit of {LIMIT:g}: {', '.join(map(repr, self.lines))}>"
 
     def as_dict(self) -> dict[str, object]:
         """For JSON."""

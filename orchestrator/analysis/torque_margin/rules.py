@@ -195,7 +195,7 @@ def margins(torques: Torques, rule: Rule, factors: Mapping[str, float]) -> Margi
     return Margins(rule, available, resisting, (LIMIT * resisting + demand) / share, margin)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Found:
     """The margins of a line, or of coupled lines together, in one case, by rule.
 
@@ -211,6 +211,10 @@ class Found:
     def line(self) -> str:
         """Name of the line, or of all of them."""
         return self.torques.line
+
+    def __repr__(self) -> str:
+        rules = ", ".join(f"{one.rule} {one.margin[one.worst]:.3g}" for one in self.margins)
+        return f"<{self.line}, {self.case}: smallest margins {rules}>"
 
     def as_dicts(self) -> Iterator[dict[str, object]]:
         """One plain record per rule, at the worst angle; None for a margin without bound."""

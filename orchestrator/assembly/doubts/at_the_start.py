@@ -48,7 +48,7 @@ def start_doubts(scene: CheckedScene) -> Iterator[str]:
     yield from coded("W-singular-start", singular_starts(scene))
     yield from coded("W-turned-start", _turned_to_close(scene))
     yield from coded("W-start-rate", _moving_from_rest(scene))
-    yield from coded("W-base-turned", _turned_from_the_world(scene))
+    yield from coded("W-base-turned", turned_from_the_world(scene))
     if not scene.header.preload and "preload" not in scene.header.model_fields_set:
         yield from coded("W-start-blow", _struck_by_preload(scene))
         yield from coded("W-start-blow", _struck_by_weight(scene))
@@ -191,7 +191,7 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
         )
 
 
-def _turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
+def turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
     """Bases that a motion turns at the start, beside bodies whose places are those of the world."""
     placed = [body.name for body in scene.bodies if body.place is not None]
     if scene.base.motion is None or not placed:

@@ -9,7 +9,7 @@ import numpy as np
 
 from components.beam import Beam
 from components.contract.component import Vector
-from components.contract.frames import rotate
+from components.contract.frames import rotate, with_positive_scalar
 from components.contract.roles import HOLD
 from components.hinge import Hinge
 
@@ -124,7 +124,7 @@ def _placed(part: Part, at: PlacedBody | None) -> Part:
     center = tuple(at.body.data.center_of_mass.tolist())
     start = {
         "initial_position": tuple((at.position - np.array(rotate(at.orientation, center))).tolist()),
-        "initial_orientation": at.orientation,
+        "initial_orientation": with_positive_scalar(at.orientation),
     }
     bent = {"initial_modal_coordinate": tuple(at.eta.tolist())} if at.modes else {}
     return replace(part, start={**part.start, **start, **bent})

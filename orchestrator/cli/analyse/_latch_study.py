@@ -46,7 +46,7 @@ def study_options(study: str, runs: str) -> Callable[[Command], Command]:
         text = "One JSON object on standard output."
         command = click.option("--json", "as_json", is_flag=True, help=text)(command)
         command = click.option(
-            "--output", type=click.Path(path_type=Path, file_okay=False),
+            "-o", "--output", type=click.Path(path_type=Path, file_okay=False),
             help=f"Folder for results and pictures; by default SCENE.{study}.",
         )(command)  # fmt: skip
         return click.option(

@@ -41,7 +41,7 @@ Examples:
 )  # fmt: skip
 @click.option("--count", type=Count(min=1), default=15, show_default=True, help="Cantilever modes to keep.")
 @click.option(
-    "--save", type=OutputFile(), metavar="FILE",
+    "-o", "--save", type=OutputFile(), metavar="FILE",
     help="File to write: .json, .npz, .mat (MATLAB), .op4 (Craig-Bampton, one grid), .txt (flexible body of 42).",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")

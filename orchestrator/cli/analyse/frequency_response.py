@@ -45,7 +45,7 @@ _FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
     "--steps", type=Count(min=2, max=100_000), default=400, show_default=True,
     help="Frequencies, beside those around resonances.",
 )  # fmt: skip
-@click.option("--plot", type=Picture(), metavar="FILE", help="Picture to write.")
+@click.option("-o", "--plot", type=Picture(), metavar="FILE", help="Picture to write.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     choice: SceneChoice,

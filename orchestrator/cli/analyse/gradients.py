@@ -45,7 +45,7 @@ the third it means something of a number that is round-off itself."""
     "--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time of the run in seconds."
 )
 @click.option(
-    "--output", type=Picture(), metavar="FILE", default=None,
+    "-o", "--output", type=Picture(), metavar="FILE", default=None,
     help="Picture to write; by default named after SCENE, with .gradients.png.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")

@@ -49,7 +49,7 @@ def impact_table(found: list[Impact], angular: bool) -> Table:
 @click.command("impact")
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option(
-    "--output", type=Picture(), metavar="FILE",
+    "-o", "--output", type=Picture(), metavar="FILE",
     help="Picture to write; by default named after RESULT, with .impact.png.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")

@@ -80,8 +80,11 @@ def command(
     as_json: bool,
 ) -> None:
     """Latch-up of SCENE against the number of a body's fixed-interface modes."""
+    from ...run.simulation import fidelity_word, result_file  # takes its time, which --help need not
+
     scene = choice.load()
-    folder = output or Path(f"{scene.name}.mode-study")
+    fidelity = fidelity_word(**choice.fidelities)
+    folder = output or result_file(scene.name, scene.chosen, fidelity, "mode-study")
     study = fanfold.mode_study(
         scene,
         body,

@@ -37,7 +37,10 @@ _TOLD = 4
 )  # fmt: skip
 @click.option("--count", type=Count(min=1), default=15, show_default=True, help="Modes to list.")
 @click.option(
-    "--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures of mode shapes."
+    "-o",
+    "--plot",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for pictures of mode shapes.",
 )
 @click.option(
     "--shapes", type=Count(min=1), default=4, show_default=True, help="Mode shapes to draw, with --plot."
@@ -69,6 +72,7 @@ def command(
     else:
         _print(found)
         _print_damping(found)
+        _print_spacing(found)
     if plot is not None:
         from ...views.linear import plot_modes  # matplotlib takes its time
 
@@ -128,6 +132,20 @@ def _print_damping(found: Modes) -> None:
         ratio, reference = structural.ratio, structural.reference_frequency
         console.print(
             f"structural damping: {100.0 * ratio:.3g} % at {reference:.4g} Hz, in proportion to frequency"
+        )
+
+
+def _print_spacing(found: Modes) -> None:
+    """Pairs of modes that root sum squares of their responses would underestimate."""
+    from ..tables import terminal
+
+    pairs = [
+        f"{low.number} and {high.number} (beat period {1.0 / (high.frequency - low.frequency):.3g} s)"
+        for low, high in found.closely_spaced[:_TOLD]
+    ]
+    if pairs:
+        terminal().print(
+            f"closely spaced modes, whose responses add up in phase and beat: {', '.join(pairs)}"
         )
 
 

@@ -10,6 +10,8 @@ import click
 
 import orchestrator as fanfold
 
+from ..options import result_options
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -20,9 +22,10 @@ if TYPE_CHECKING:
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option("--body", required=True, metavar="BODY", help="The imported body.")
 @click.option(
-    "--output", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
     help="CSV file of all recorded times; by default BODY_outputs.csv in a folder named after RESULT.",
 )  # fmt: skip
+@result_options
 def command(result: Path, body: str, output: Path | None) -> None:
     """Stresses and forces of elements of an imported body in RESULT: extremes, histories."""
     found = fanfold.body_outputs(result, body)

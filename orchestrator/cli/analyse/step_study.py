@@ -39,8 +39,11 @@ def command(
     as_json: bool,
 ) -> None:
     """Latch-up of SCENE against the communication step size."""
+    from ...run.simulation import fidelity_word, result_file  # takes its time, which --help need not
+
     scene = choice.load()
-    folder = output or Path(f"{scene.name}.step-study")
+    fidelity = fidelity_word(**choice.fidelities)
+    folder = output or result_file(scene.name, scene.chosen, fidelity, "step-study")
     study = fanfold.step_study(
         scene, steps=steps, **choice.fidelities, tolerance=tolerance, folder=folder, progress=progress
     )

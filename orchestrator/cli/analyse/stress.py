@@ -11,6 +11,7 @@ import click
 
 import orchestrator as fanfold
 
+from ..options import result_options
 from ..types import Count, Number
 
 if TYPE_CHECKING:
@@ -68,9 +69,10 @@ def _circle(
     help="Leave out nodes nearer to rigid inserts, in m; their corners are singular.",
 )  # fmt: skip
 @click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False),
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False),
     help="Folder for table and pictures; by default named after RESULT.",
 )  # fmt: skip
+@result_options
 def command(
     result: Path,
     body: str,

@@ -74,7 +74,7 @@ def _extra_torques(
     help="End time of restarts; by default that of the scene.",
 )  # fmt: skip
 @click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False),
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False),
     help="Folder for pictures and runs; by default named after the scene.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")

@@ -17,7 +17,11 @@ from fmpy import extract, sharedLibraryExtension
 
 from components.cache.temporary import process_folder
 from fmus import native_library
+from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member
+
+_TOLD = 3
+"""Problems of an archive that are told; there may be thousands."""
 
 
 def library_of(unpacked: Path, model_identifier: str) -> Path:
@@ -28,8 +32,11 @@ def library_of(unpacked: Path, model_identifier: str) -> Path:
 def unpack(path: Path, folder: Path) -> list[Path]:
     """Unpack an FMU into a folder; returned are its binaries that are the one compiled when Fanfold was installed here.
 
-    In place of these, which have no state of their own, stand links to one copy for all.
+    In place of these, which have no state of their own, stand links to one copy for all. ValueError where the archive
+    is not one to unpack.
     """
+    if problems := list(archive_problems(path, contents=False)):
+        raise ValueError("; ".join(problems[:_TOLD]))
     compiled = native_library()
     if compiled is None:
         extract(str(path), unzipdir=str(folder))

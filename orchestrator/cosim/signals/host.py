@@ -19,14 +19,17 @@ from typing import Any
 
 from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import fmi2Terminated
 from fmpy.simulation import instantiate_fmu
 
+from components.contract.errors import shortened
 from orchestrator.assembly.array_elements import element, length
 
 Value = float | int | bool | str
 _OK, _WARNING = 0, 1
 _DISCARD = 2
 """Status of a step that may be tried again with a smaller size, and of no other."""
+_ENDS = "it asks for the end of the simulation"
 _FMI2_KINDS = {"Enumeration": "Integer"}
 _FMI3_KINDS = {"Enumeration": "Int64"}
 
@@ -79,17 +82,34 @@ class Host:
         """Step from a time (s) over h with the inputs of the end, and give the outputs."""
         self._hand_over(values)
         if self._fmi2:
-            if self._fmu.fmi2DoStep(self._fmu.component, time, h, 1) == _WARNING and not self.warned:
+            if self._do_step2(time, h) == _WARNING and not self.warned:
                 self.warned.append(" ".join(self.said) or "a warning without a word")
             return self._given()
         _, terminates, early, reached = self._fmu.doStep(
             currentCommunicationPoint=time, communicationStepSize=h
         )
         if terminates:
-            raise RuntimeError("it asks for the end of the simulation")
+            raise RuntimeError(_ENDS)
         if early:
             raise RuntimeError(f"it returned early, at t = {reached:.6g} s, which was not allowed to it")
         return self._given()
+
+    def _do_step2(self, time: float, h: float) -> int:
+        """Its status; FMI 2.0 discards the step of an FMU that has to end, as one that is too large."""
+        try:
+            status: int = self._fmu.fmi2DoStep(self._fmu.component, time, h, 1)
+        except FMICallException as error:
+            if error.status == _DISCARD and self._terminates2():
+                raise RuntimeError(_ENDS) from None
+            raise
+        return status
+
+    def _terminates2(self) -> bool:
+        """Whether it has to end, as far as it says so."""
+        try:
+            return bool(self._fmu.getBooleanStatus(fmi2Terminated))
+        except Exception:
+            return False
 
     def tried(self, time: float, h: float, values: Sequence[float]) -> list[float]:
         """The same from the state that was kept last."""
@@ -107,7 +127,7 @@ class Host:
 
     def _log(self, *arguments: Any) -> None:  # noqa: ANN401 - FMI 2.0 and 3.0 differ
         status, _, text = arguments[-3:]
-        message = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+        message = shortened(text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text))
         if status == _WARNING:
             self.warned.append(message)
         if status >= self._worst:

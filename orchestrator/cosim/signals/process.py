@@ -28,6 +28,11 @@ _LAST_MOMENT = 2.0
 """Time (s) that a process has to end by itself."""
 
 
+def _step(time: float, h: float) -> str:
+    """What cannot be done, by the time (s) that it begins at."""
+    return f"do a step of {h:g} s at t = {time:.6g} s"
+
+
 class DiscardedStepError(ParticipantError):
     """An FMU could not make a step, and may make a smaller one from the state before."""
 
@@ -65,7 +70,7 @@ class SignalProcess:
         found: list[float] = self._ask(
             "open",
             0.0,
-            "be initialised",
+            "be initialised at t = 0 s",
             str(self._folder),
             dict(self.fmu.start),
             self._inputs,
@@ -78,17 +83,17 @@ class SignalProcess:
 
     def sample(self, time: float, h: float, values: Sequence[float]) -> list[float]:
         """The outputs after a step from a time (s) over h, with the inputs of its end."""
-        found: list[float] = self._ask("sample", time + h, f"do a step of {h:g} s", time, h, values)
+        found: list[float] = self._ask("sample", time + h, _step(time, h), time, h, values)
         return found
 
     def tried(self, time: float, h: float, values: Sequence[float]) -> list[float]:
         """The same from the state that was kept last, of this time, whatever was tried since."""
-        found: list[float] = self._ask("tried", time + h, f"do a step of {h:g} s", time, h, values)
+        found: list[float] = self._ask("tried", time + h, _step(time, h), time, h, values)
         return found
 
     def keep(self, time: float) -> None:
         """The state that it has come to, at a time (s), is the one to try from."""
-        self._ask("keep", time, "save its state")
+        self._ask("keep", time, f"save its state at t = {time:.6g} s")
 
     def warned(self) -> Iterator[str]:
         """Sentences on what it warned of."""
@@ -109,13 +114,21 @@ class SignalProcess:
         except (EOFError, OSError):
             self._kill()
             raise ParticipantError(f"{self.fmu.name}: at t = {time:.6g} s {self._end()}") from None
+        except ParticipantError:
+            raise
+        except Exception as error:  # what the other process writes is no answer
+            self._kill()
+            raise ParticipantError(
+                f"{self.fmu.name}: at t = {time:.6g} s its process gave no answer that can be read "
+                f"({type(error).__name__}); the FMU has written into files of others"
+            ) from None
         finally:
             self.seconds += perf_counter() - begin
         for text in warned[: _MOST_WARNINGS - len(self._warnings)]:
             self._warnings.setdefault(" ".join(text.split()), time)
         if not answered:
             why, discarded = what
-            sentence = f"{self.fmu.name}: cannot {action} at t = {time:.6g} s: {why}"
+            sentence = f"{self.fmu.name}: cannot {action}: {why}"
             raise DiscardedStepError(sentence) if discarded else ParticipantError(sentence)
         return what
 

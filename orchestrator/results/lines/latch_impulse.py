@@ -1,8 +1,4 @@
-"""The impulse of a lock between rigid bodies: what it takes away in no time, where it has no torque of its own.
-
-A plastic impact: a torque held while a relative rate w falls to rest turns the hinge by half of w times its duration,
-so the latch's work is E = J w / 2 and its impulse J = 2 E / w, for whatever is joined.
-"""
+"""The impulse of a lock between rigid bodies: what it takes away in no time, where it has no torque of its own."""
 
 from __future__ import annotations
 
@@ -33,13 +29,7 @@ def latch_impulse(result: Result, line: HingeLine, latched: float) -> float | No
     after = int(np.searchsorted(result.time, latched, side="right"))
     if not line.locks_rigid or not 0 < after < result.time.size:
         return None
-    return abs(
-        sum(_impulse(result, hinge, after) for hinge in line.hinges if result.has(hinge, "latch_energy"))
+    sums = (
+        result.signal(hinge, "latch_impulse") for hinge in line.hinges if result.has(hinge, "latch_impulse")
     )
-
-
-def _impulse(result: Result, hinge: str, after: int) -> float:
-    """Impulse between a row and the one before (N.m.s), with the sign of the rate that it takes."""
-    energy, rate = result.signal(hinge, "latch_energy"), result.signal(hinge, "angular_rate")
-    lost = float(energy[after] - energy[after - 1])
-    return 2.0 * lost / float(rate[after - 1]) if lost else 0.0
+    return abs(sum(float(one[after] - one[after - 1]) for one in sums))

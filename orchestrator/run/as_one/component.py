@@ -88,6 +88,7 @@ class AssembledScene(Component, registered=False):
     kind = ASSEMBLY
     noun = "deployable structure"
     observes_inputs = False
+    starts_from_inputs = False
 
     def __init__(self, assembly: Assembly, settings: Settings, order: Order | None = None) -> None:
         for part in assembly.parts:

@@ -18,13 +18,14 @@ from ...scene import CheckedScene
 from ...scene.bodies import body_definition
 from .holders import holding_points
 
-_TOLD = 0.2
-"""Of Euler's load: it takes so much of the stiffness against bending, which modes of first order keep."""
+_TOLD = 0.02
+"""Of Euler's load: it takes so much of the stiffness against bending, which modes of first order keep, and half of that
+of latch torques."""
 Rows = NDArray[np.float64]
 
 
 def compressed_sentences(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each modal beam of first order that a joint pressed by a fifth of Euler's load, or more."""
+    """A sentence for each modal beam of first order that a joint pressed by 2 % of Euler's load, or more."""
     beams = [body for body in scene.bodies if not body.second_order_modes and has_beam(body)]
     parts = {part.name: part for part in assembly.parts}
     for body in beams:

@@ -18,8 +18,6 @@ from ..body_tables import Fidelity
 from ..table import SceneError
 
 MEMBER = "resources/scene.json"
-_LARGEST = 2_000_000_000
-"""Bytes of a member; no wing needs more."""
 _SCENE, _SYSTEM, _OF_SCENE = "scene", "system", "digest"
 
 
@@ -39,6 +37,10 @@ def carried(tree: Mapping[str, Any], fidelities: Mapping[str, Fidelity], system:
 
 def scene_of(path: Path) -> str:
     """The text of the scene that an SSP file carries; SceneError for one that has none, or whose system was changed."""
+    from fmus.archive import archive_problems  # takes its time, which scene files need not
+
+    if problems := list(archive_problems(path)):
+        raise SceneError([f"{path.name}: cannot be read as an SSP file: {problems[0]}"])
     try:
         with ZipFile(path) as archive:
             sizes = {member.filename: member.file_size for member in archive.infolist()}
@@ -49,8 +51,6 @@ def scene_of(path: Path) -> str:
                         "as [[fmu]] of a scene"
                     ]
                 )
-            if max(sizes.values()) > _LARGEST:
-                raise SceneError([f"{path.name}: its files are too large to be those of a wing"])
             found = json.loads(archive.read(MEMBER))
             scene, system = found[_SCENE], found[_SYSTEM]
             lost = sorted(system.keys() - sizes.keys())
@@ -67,7 +67,7 @@ def scene_of(path: Path) -> str:
         KeyError,
         TypeError,
         AttributeError,
-        NotImplementedError,
+        RecursionError,
     ) as error:
         raise SceneError([f"{path.name}: is damaged, or no SSP file: {error}"]) from None
     if lost:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ..reader import ARRAYS, TABLES
@@ -21,12 +21,16 @@ class Key(NamedTuple):
 
 
 class KeyTable(NamedTuple):
-    """A table of scene files at its first place, such as `hinge_line.motor`; `array` where there can be several."""
+    """A table of scene files at its first place, such as `hinge_line.motor`; `array` where there can be several.
+
+    example: TOML of its needed keys, or of its first key where none is needed; quantities are 1 in their SI unit.
+    """
 
     place: str
     array: bool
     meaning: str
     keys: tuple[Key, ...]
+    example: str = ""
 
 
 def key_tables() -> list[KeyTable]:
@@ -44,12 +48,20 @@ def key_tables() -> list[KeyTable]:
     return found
 
 
+def tables_called(name: str) -> list[KeyTable]:
+    """Tables at a place such as `hinge_line.latch`, or all whose last word it is, such as `latch`."""
+    every = [table for table in key_tables() if table.place]
+    at = [table for table in every if table.place == name]
+    return at or [table for table in every if table.place.rpartition(".")[2] == name]
+
+
 class _Listing:
     """Where each definition was told first."""
 
     def __init__(self, definitions: Mapping[str, Schema]) -> None:
         self._definitions = definitions
         self._places: dict[str, str] = {}
+        self._arrays: set[str] = set()
 
     def tables(self, place: str, schema: Schema, array: bool) -> Iterator[KeyTable]:
         """The table at a place, then those within it that were not told before."""
@@ -67,13 +79,57 @@ class _Listing:
                         self._places[table["$ref"]] = at
             needed = _default(name, one, whole)
             keys.append(Key(name, _kind(one), _unit(one), needed, one.get("description", ""), at))
-        yield KeyTable(place, array, whole.get("description", ""), tuple(keys))
+        if array:
+            self._arrays.add(place)
+        example = _example(place, self._arrays, self._sample(whole))
+        yield KeyTable(place, array, whole.get("description", ""), tuple(keys), example)
         for at, table, several in inner:
             yield from self.tables(at, table, several)
+
+    def _sample(self, schema: Schema) -> dict[str, Any]:
+        """Values of the needed keys of a table, or of its first key where none is needed."""
+        needed = [
+            name for name, one in schema["properties"].items() if _default(name, one, schema) == _NEEDED
+        ]
+        return {
+            name: self._value(schema["properties"][name]) for name in needed or list(schema["properties"])[:1]
+        }
+
+    def _value(self, schema: Schema) -> Any:  # noqa: ANN401 - any value of a schema
+        """A value that the schema accepts."""
+        whole = self._whole(schema)
+        kind = whole.get("type", "")
+        if whole.get("default") is not None or "const" in whole or "enum" in whole:
+            return whole.get("default", whole.get("const", whole.get("enum", [None])[0]))
+        if "anyOf" in whole:
+            return self._value(whole["anyOf"][0])
+        if "unit" in whole:
+            return 1 if whole["unit"] == "1" else f"1 {whole['unit']}"
+        if kind == "array":
+            items = whole.get("items", whole.get("prefixItems", [{}])[0])
+            return [self._value(items)] * whole.get("minItems", 1)
+        if "properties" in whole:
+            return self._sample(whole)
+        if kind == "object":
+            inner = whole.get("additionalProperties")
+            return {"NAME": self._value(dict(inner))} if isinstance(inner, Mapping) and inner else {}
+        return {"integer": max(1, whole.get("minimum", 1)), "number": 1, "boolean": True}.get(kind, "NAME")
 
     def _whole(self, schema: Schema) -> Schema:
         reference = schema.get("$ref", "")
         return self._definitions[reference.rpartition("/")[2]] if reference else schema
+
+
+_NEEDED = "needed"
+
+
+def _example(place: str, arrays: Collection[str], sample: Mapping[str, Any]) -> str:
+    """A heading and the lines below it: the keys of a table at the top of a file, or an inner table as one line."""
+    outer, _, name = place.rpartition(".")
+    heading = outer or name
+    keys = {name: [sample] if place in arrays else sample} if outer else sample
+    lines = [f"[[{heading}]]" if heading in arrays else f"[{heading}]"]
+    return "\n".join([*lines, *(f"{key} = {_text(value)}" for key, value in keys.items())])
 
 
 def _default(name: str, schema: Schema, table: Schema) -> str:
@@ -81,7 +137,7 @@ def _default(name: str, schema: Schema, table: Schema) -> str:
     if instead := schema.get("instead"):
         return "or " + " or ".join(f"`{other}`" for other in instead)
     if name in (*table.get("required", ()), *table.get("needed", ())):
-        return "needed"
+        return _NEEDED
     return _text(schema.get("default"))
 
 

@@ -7,12 +7,14 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
+from components.contract.regular import is_regular
+
 from ..table import Name, Table
 from ..units import Duration
 
 
 def _is_there(path: str) -> str:
-    if not Path(path).is_file():
+    if not is_regular(Path(path)):
         raise ValueError(f"there is no file {path}")
     return path
 

@@ -10,11 +10,14 @@ from io import BytesIO
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from .scene3d.fragment import style
+from .scene3d.fragment import script_digest, style
 
 _FIGURE_DPI = 120
-_ALLOWED = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
-"""What a browser lets the page do: nothing but what is inside it."""
+_ALLOWED = (
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src '{script}'; base-uri 'none'; "
+    "form-action 'none'"
+)
+"""What a browser lets the page do: nothing but what is inside it, and of scripts its own alone."""
 
 _STYLE = """
 :root { color-scheme: light; }
@@ -48,7 +51,7 @@ def page(title: str, body: Iterable[str]) -> str:
         (
             '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f'<meta http-equiv="Content-Security-Policy" content="{_ALLOWED}">',
+            f'<meta http-equiv="Content-Security-Policy" content="{_ALLOWED.format(script=script_digest())}">',
             f"<title>{escape(title)}</title>\n<style>{_STYLE}{style()}</style>\n</head>\n<body>",
             *body,
             "</body>\n</html>\n",

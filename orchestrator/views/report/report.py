@@ -9,13 +9,14 @@ from html import escape
 from ...analysis.motion.deflection import quiet
 from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
+from ...results.earlier import SETTINGS
 from ...results.key_figures import Headline, headline, headline_rows
 from ...results.parts import TOLD, json_of
 from ...results.point_loads import event_loads
 from ...results.result import Result
 
 _FIDELITIES = {"flexible": "flexible bodies", "large_deformation": "bodies of large deformation"}
-_SCENE = ("scene", "scene_tree", TOLD, *_FIDELITIES)
+_SCENE = ("scene", "scene_tree", SETTINGS, TOLD, *_FIDELITIES)
 _DIGEST = "fmu."
 
 

@@ -48,8 +48,12 @@ def write_glb(path: Path, result: Result, tolerance: float | None = None) -> Non
     for name, body in bodies.items():
         found = motion(result, name, body, rows, allowed)
         scene.add(name, body, found.part(keys(found, allowed)))
+    try:
+        content = b"".join(scene.finished().save_to_bytes())
+    except ValueError:  # of JSON, which has no number that is not finite
+        raise ResultError(f"{result.name}: its motion has numbers that are not finite") from None
     with whole(path) as part:
-        part.write_bytes(b"".join(scene.finished().save_to_bytes()))
+        part.write_bytes(content)
 
 
 def _distinct(time: Vector) -> Rows:

@@ -34,8 +34,16 @@ def surface(faces: Indices) -> Surface:
 
 
 def shown_bodies(result: Result) -> dict[str, Geometry]:
-    """Bodies of a result that have a surface; ResultError where none has."""
+    """Bodies of a result that have a surface; ResultError where none has, or one is damaged."""
     bodies = {name: body for name, body in result.geometry.items() if np.size(body.faces)}
+    for name, body in bodies.items():
+        faces = np.asarray(body.faces)
+        with np.errstate(over="ignore"):
+            single = [np.asarray(values, dtype=np.float32) for values in (body.positions, body.shapes)]
+        if not all(np.isfinite(values).all() for values in single) or not (
+            0 <= faces.min() <= faces.max() < len(body.positions)
+        ):
+            raise ResultError(f"{result.name}: the geometry of {name} is damaged; run the scene again")
     if not bodies:
         raise ResultError(
             f"{result.name}: no body of this result has a surface and its motion recorded, so there is nothing to show"

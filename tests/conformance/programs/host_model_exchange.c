@@ -90,7 +90,7 @@ static void extremes(fmi2Component fmu, const Layout *layout, fmi2FMUstate state
             layout->x[i] = k % 2 ? 1.0 : (i % 3 ? -size : size);
         fmi2Status status = fmi2SetReal(fmu, inputs, layout->inputs, layout->values);
         if (status != fmi2OK)
-            expect(status, fmi2Warning, "set of extreme inputs");
+            expect(status, k % 2 && !isfinite(size) ? fmi2Discard : fmi2Warning, "set of extreme inputs");
         expect(fmi2SetContinuousStates(fmu, layout->x, layout->states), fmi2OK, "set of extreme states");
         status = fmi2GetDerivatives(fmu, layout->rates, layout->states);
         if (status != fmi2OK)

@@ -76,7 +76,8 @@ def test_a_kinematic_latch_stops_all_bars_in_one_impulse(closing):
     """Closed form: the impulse is J times the crank's rate, sqrt(2 T angle / J), and nothing moves just after it.
 
     Locks of 1e6 kg and kg.m2 give way by 1e-6 of what they hold, on arms of half a metre. A loop of four hinges in a
-    plane has three constraints too many, whose impulses are not unique; this one is.
+    plane has three constraints too many, whose impulses are not unique; this one is. Bushings leave hinges rates of
+    3e-4 until the event.
     """
     scene = _scene(latch="kinematic", closing=closing).with_settings({"scene.until": "2.2 s"})
     result = fanfold.simulate(scene, estimate=False)
@@ -84,7 +85,7 @@ def test_a_kinematic_latch_stops_all_bars_in_one_impulse(closing):
     assert result.headline.latch_impulses["driven"] == pytest.approx(_inertia() * rate, rel=1e-5)
     after = int((result.time <= result.latch_times["driven"] + 1.5 * INSTANT).sum()) - 1
     for hinge in ("driven_hinge", "pivot_hinge", "elbow_hinge"):
-        assert result[hinge, "angular_rate"][after - 2] ** 2 == pytest.approx(rate**2, rel=1e-5)
+        assert result[hinge, "angular_rate"][after - 1] ** 2 == pytest.approx(rate**2, rel=1e-3)
         assert result[hinge, "angular_rate"][after] == pytest.approx(0.0, abs=3e-5 * rate)
 
 

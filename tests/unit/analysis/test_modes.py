@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import orchestrator as fanfold
-from orchestrator.analysis.modes import mode_table
+from orchestrator.analysis.modes import Mode, Modes, mode_table
 from orchestrator.analysis.vibration import DIRECTIONS
 from orchestrator.assembly.statics.configuration import configuration, loaded, placed
 from orchestrator.assembly.statics.linear_model import effective_masses, linearise, normal_modes
@@ -144,6 +144,19 @@ def test_table_fits_80_columns():
     assert "\u2026" not in result.stdout
     rows = [line.split() for line in result.stdout.splitlines() if line.split() and line.split()[0].isdigit()]
     assert [row[0] for row in rows if len(row) == 11 and row[10].isdigit()] == [f"{k}" for k in range(1, 13)]
+
+
+@pytest.mark.parametrize(
+    ("second", "damping", "close"),
+    [(1.09, 0.01, True), (1.11, 0.01, False), (1.11, 0.03, True), (1.16, 0.03, False), (1.0, 0.01, False)],
+)
+def test_closely_spaced_modes_are_those_of_the_regulatory_guide(second, damping, close):
+    """US NRC Regulatory Guide 1.92: within 10 %, or five damping ratios above 2 %; equal ones do not beat."""
+    pair = [
+        Mode(k, f, damping, (), "", 1.0, {}, coupled_by_damping=False) for k, f in ((1, 1.0), (2, second))
+    ]
+    found = Modes("", None, "fixed", tuple(pair), 0, (0.0, 0.0), None, None, None)
+    assert [(a.number, b.number) for a, b in found.closely_spaced] == ([(1, 2)] if close else [])
 
 
 FREE = "free = { mass = 40.0, center_of_mass = [-0.5, 0.0, 0.0], inertia = [9.0, 9.0, 9.0] }\n"

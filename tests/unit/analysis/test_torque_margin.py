@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis.torque_margin.margins import find_margins, margin_cases
+from orchestrator.analysis.torque_margin.margins import find_margins, margin_cases, torque_margin
 from orchestrator.analysis.torque_margin.restart import restart, restart_share
 from orchestrator.analysis.torque_margin.rules import LineTorques, margins
 from orchestrator.analysis.torque_margin.standard import FACTORS
@@ -460,3 +460,12 @@ def test_scene_without_a_motor_is_told(tmp_path):
     result = fanfold(path)
     assert result.exit_code == 1
     assert "no hinge line that moves has a motor" in result.stderr
+
+
+def test_margins_are_shown_in_a_few_lines():
+    """Screen: no arrays; the smallest margin of every rule, as in the records."""
+    found = torque_margin(margin_cases(Scene.load("amos3"), ("base",)))
+    for one in found.lines:
+        assert len(repr(one)) < 80
+        for row in one.as_dicts():
+            assert f"{row['rule']} {row['margin']:.3g}" in repr(found)

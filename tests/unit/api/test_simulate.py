@@ -51,7 +51,10 @@ def test_memory_and_file_are_one(result, tmp_path):
     saved = result.save(tmp_path / "a.h5")
     assert result.path is None
     assert saved.path == tmp_path / "a.h5"
-    again = fanfold.Result.open(tmp_path / "a.h5")
+    again = fanfold.load(tmp_path / "a.h5")
+    assert isinstance(again, fanfold.Result)
+    with pytest.raises(fanfold.FanfoldError, match="leave them out"):
+        fanfold.load(tmp_path / "a.h5", settings={"scene.until": 1.0})
     assert again.complete
     assert again.components == result.components
     for component in result.components:

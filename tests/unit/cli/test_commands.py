@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -16,9 +17,15 @@ import pytest
 from click.testing import CliRunner
 
 from components import LAGGED, REGISTRY
+from fmus import native_library
+from orchestrator.analysis.sampling.distributions import FORMS
+from orchestrator.cli import listing
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.scene import list_scenes
+from orchestrator.scene.builder import Scene
+from orchestrator.scene.keys.listing import tables_called
+from orchestrator.views.style import empty_figure, save_figure
 from tests.references.edits import edited
 
 ROOT = Path(__file__).parents[3]
@@ -90,7 +97,37 @@ def test_list_tells_all_of_a_component(kind):
 
 
 def test_list_of_what_is_no_component():
-    assert "there is no component 'damper'; components are" in " ".join(refused("list", "damper").split())
+    assert "did you mean latch" in " ".join(refused("list", "latsh").split())
+    assert "leave NAME out" in refused("list", "ccl", "--names")
+
+
+@pytest.mark.parametrize(
+    "name", ["hinge_line", "hinge_line.latch", "latch", "panel", "ccl", "frame", "damper"]
+)
+def test_list_shows_the_keys_of_a_table(name):
+    """Completeness: every key of every table of that name, and its example; of a component as well its keys."""
+    told, tables = fanfold("list", name).output, tables_called(name)
+    assert tables
+    for table in tables:
+        assert {key.name for key in table.keys} <= set(told.split())
+        assert " ".join(table.example.split()) in " ".join(told.split())
+    assert ("recorded signals" in told) == (name in REGISTRY)
+
+
+def test_list_names_are_arguments_of_run():
+    """Every scene and each of its variants once; each line loads."""
+    lines = fanfold("list", "--names").output.splitlines()
+    assert len(lines) == len(set(lines)) > len(list_scenes())
+    assert {line.split()[0] for line in lines} == set(list_scenes())
+    for name, *option in map(str.split, lines):
+        assert option[:1] in ([], ["--variant"])
+        Scene.load(name, option[1:])
+
+
+def test_list_distributions_has_every_form():
+    """Completeness: every distribution that `study` accepts."""
+    told = fanfold("list", "distributions").output
+    assert all(form in told for form, _ in FORMS.values())
 
 
 def test_run_shows_numbers_and_writes_the_result():
@@ -264,15 +301,41 @@ def test_output_that_cannot_be_written():
 
 
 def test_output_does_not_replace_other_files():
-    """Nothing lost: a scene that is given as output by mistake is left as it is; an earlier result is replaced."""
+    """Nothing lost: neither a scene that is given as output by mistake, nor a result of another run without leave."""
     scene = scene_file(TWO_PANELS)
     assert "scene.toml: this file is not a result and would be lost" in refused(
         "run", scene, "--until", 0.01, "--output", scene
     )
     assert Path(scene).read_text(encoding="utf-8") == TWO_PANELS
-    for end in (0.01, 0.02):
-        assert fanfold("run", scene, "--until", end, "--output", "a.h5").exit_code == 3
+    run = ("run", scene, "--rigid", "all", "--no-estimate", "--output", "a.h5", "--until")
+    assert fanfold(*run, 0.01).exit_code == fanfold(*run, 0.01).exit_code == 3
+    assert "until 0.01 instead of 0.02" in refused(*run, 0.02)
+    assert Result.open("a.h5").time[-1] == pytest.approx(0.01)
+    assert fanfold(*run, 0.02, "--replace").exit_code == 3
     assert Result.open("a.h5").time[-1] == pytest.approx(0.02)
+
+
+def test_results_of_other_fidelities_stand_side_by_side():
+    """Regression: a rigid run replaced a flexible one of an hour, as both had one name."""
+    run = ("run", SCENE, "--until", 0.005, "--no-estimate")
+    for options in ((), ("--rigid", "all"), ("--rigid", "inner")):
+        assert fanfold(*run, *options).exit_code == 3
+    assert sorted(found.name for found in Path().glob("*.h5")) == [
+        "two_panels.h5",
+        "two_panels.mixed.h5",
+        "two_panels.rigid.h5",
+    ]
+    before = Path("two_panels.mixed.h5").read_bytes()
+    assert "rigid" in refused(*run, "--rigid", "outer")
+    assert Path("two_panels.mixed.h5").read_bytes() == before
+
+
+def test_no_phase_begins_where_a_later_one_is_refused(tmp_path):
+    """Rule: before it starts; the first phase would have been for nothing."""
+    path = phased(tmp_path)
+    assert fanfold("run", path, "--variant", "second", "--set", "scene.until=0.02").exit_code in (0, 3)
+    assert "two_panels.second.h5" in refused("run", path)
+    assert not Path("two_panels.first.h5").exists()
 
 
 def test_run_that_diverges():
@@ -367,6 +430,9 @@ def test_exported_fmus_pass_the_check():
     """End to end: one FMU per component of the scene, none with a problem."""
     result = fanfold("export", SCENE, "-o", "fmus")
     assert result.exit_code == 0
+    assert ("glibc 2." in result.stderr) == (
+        platform.libc_ver()[0] == "glibc" and native_library() is not None
+    )
     paths = result.stdout.split()
     names = {"base", "inner", "outer", "root", "middle_left", "middle_right"}
     assert {Path(path).stem for path in paths} == names
@@ -449,3 +515,31 @@ def test_an_explicit_master_needs_a_step():
     refusal = fanfold("run", SCENE, "--master", "jacobi")
     assert refusal.exit_code == 2
     assert "needs a --step" in refusal.stderr
+
+
+def test_an_interruption_while_libraries_load_is_a_sentence(monkeypatch):
+    """Regression: pybind11 raises ImportError, "initialization failed", of Ctrl-C within an import: a traceback."""
+
+    def interrupted(*_):
+        raise ImportError("initialization failed") from KeyboardInterrupt()
+
+    monkeypatch.setattr(listing.fanfold, "scenes", interrupted)
+    assert "list: interrupted" in refused("list")
+
+
+def test_an_interrupted_picture_leaves_no_file(tmp_path, monkeypatch):
+    """Regression: Ctrl-C during `plot` left a PNG of 124 bytes, or cut an earlier one off."""
+    path, figure = tmp_path / "a.png", empty_figure(1.0, 1.0)
+    save_figure(figure, path)
+    whole = path.read_bytes()
+
+    def cut_off(stream, **_):
+        stream.write(b"PNG")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(figure, "savefig", cut_off)
+    with pytest.raises(KeyboardInterrupt):
+        save_figure(figure, path)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.png"]
+    assert path.read_bytes() == whole
+    assert path.stat().st_mode & 0o777 == 0o644

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cli.analyse._configuration import ConfigurationChoice, configuration_choice
+from orchestrator.cli.main import main
 from orchestrator.cli.options import SceneChoice, layered_scene, scene_choice
 from orchestrator.scene import SceneError
 
@@ -101,3 +102,31 @@ def test_a_choice_assembles_at_its_fidelities():
     assert counts[1]["panel1"] - counts[0]["panel1"] == 3
     assert counts[1]["panel4"] == counts[0]["panel4"] > 3
     assert counts[0]["panel5"] == 0
+
+
+def test_every_command_that_writes_has_the_short_option():
+    """Interface: -o is the short form of the option that names what a command writes."""
+
+    def commands(group):
+        for name in group.list_commands(context):
+            command = group.get_command(context, name)
+            yield from commands(command) if isinstance(command, click.Group) else [command]
+
+    context = click.Context(main)
+    targets = {"--output", "--out", "--save"}
+    short = {command.name for command in commands(main) for param in command.params if "-o" in param.opts}
+    writing = {
+        command.name for command in commands(main) for param in command.params if targets & {*param.opts}
+    }
+    assert writing <= short
+    assert {
+        "run",
+        "report",
+        "plot",
+        "check",
+        "study",
+        "compare",
+        "docs",
+        "modes",
+        "frequency-response",
+    } <= short

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import platform
+import re
+import shutil
+import subprocess
+
 import pytest
 from click.testing import CliRunner
 from fmpy import read_model_description
@@ -9,7 +14,8 @@ from fmpy import read_model_description
 import fmus.build
 import fmus.native
 from components import REGISTRY, ComponentError
-from fmus import build_fmu, native_backend
+from fmus import build_fmu, native_backend, native_library
+from fmus.binary import glibc_of
 from fmus.native import CompileError, compile_library, compiler, equations, sources
 from fmus.native.headers import kernel_name
 from orchestrator.cli import main as cli
@@ -36,6 +42,22 @@ def test_sources_compile_every_equations_file_twice():
         assert f"{name}.c" in texts
         assert f"{name}_derivative.c" in texts
         assert f"&{name}_kernel" in texts["kernels.c"]
+
+
+def test_the_library_runs_with_a_c_library_of_2019():
+    """A glibc of 2.29, as RHEL 9 (2.34) and Debian 11 (2.31) have it; against objdump's list of versions, where it is.
+
+    Regression: one `hypot` asked for 2.35.
+    """
+    library = native_library()
+    if library is None or platform.libc_ver()[0] != "glibc":
+        pytest.skip("no native library for glibc here")
+    found = glibc_of(library.read_bytes())
+    assert found is None or found <= (2, 29)
+    if shutil.which("objdump"):
+        listed = subprocess.run(["objdump", "-T", library], capture_output=True, text=True, check=True).stdout
+        versions = re.findall(r"GLIBC_(\d+)\.(\d+)", listed)
+        assert found == max((int(major), int(minor)) for major, minor in versions)
 
 
 def test_a_missing_compiler_is_a_sentence(monkeypatch, tmp_path):

@@ -75,14 +75,14 @@ def test_two_events_at_one_instant_leave_the_difference_of_height():
 
 
 def test_an_impulse_is_off_as_the_rates_before_it():
-    """Closed form: J = 2 E / w; opposite ringing by 0.02 of 0.5 rad/s makes 0.08 / sqrt(2) of it."""
+    """Closed form: J goes with w; opposite ringing by 0.02 of 0.5 rad/s makes 0.08 / sqrt(2) of it."""
 
     def latching(step, sign):
         before = step * np.arange(int(1.0 / step) + 1)
         time = np.concatenate([before, [1.0 + 1e-7, 1.0 + step]])
         rate = np.where(time <= 1.0, 0.5 + sign * 0.02 * np.sin(FREQUENCY * (time - 1.0)), 0.0)
-        energy = np.where(time <= 1.0, 0.0, 2.0)
-        return _run(time, 0.0 * time, [1.0], angular_rate=rate, latch_energy=energy, latch_torque=0.0 * time)
+        taken = np.where(time <= 1.0, 0.0, -8.0)
+        return _run(time, 0.0 * time, [1.0], angular_rate=rate, latch_impulse=taken, latch_torque=0.0 * time)
 
     found = _differences(latching(STEP, 1.0), latching(2.0 * STEP, -1.0))
     assert found["latch impulse", "L"] == pytest.approx(8.0 * 0.08 / np.sqrt(2.0), rel=0.05)

@@ -256,9 +256,12 @@ def size_limit():
     resource.setrlimit(resource.RLIMIT_FSIZE, (usual, hard))
 
 
-@pytest.mark.parametrize("room", [-1, 560_000, 700_000, 900_000, 1_100_000])
+@pytest.mark.parametrize("room", [0, 140_000, 340_000, 540_000])
 def test_file_that_may_grow_no_further_keeps_its_rows(tmp_path, size_limit, room):
-    """Independent path: the rows that were handed over; a quota is met at any point of a chunk."""
+    """Independent path: the rows that were handed over; a quota is met at any point of a chunk.
+
+    Rows of the first chunk have room before any is made. Regression: a run kept none, or lost those of its last second.
+    """
     path, names = tmp_path / "run.h5", tuple("abcdefgh")
     groups = [SignalGroup(f"c{k}", names, ("1",) * 8, (1,) * 8, ("",) * 8) for k in range(3)]
     writer = ResultWriter(path, groups, {}, {}, ())
@@ -268,15 +271,15 @@ def test_file_that_may_grow_no_further_keeps_its_rows(tmp_path, size_limit, room
     def fill():
         with writer:
             for k in range(20_000):
+                handed[0] = k + 1
                 writer.append(float(k), [np.full(8, float(k + g)) for g in range(3)])
 
+    handed = [0]
     with pytest.raises(ResultError) as caught:
         fill()
     assert f"{path}: the result cannot be written (File too large); it holds " in str(caught.value)
-    if room < 0:
-        assert str(caught.value).endswith("it holds nothing yet")
-        return
     result = Result.open(path)
+    assert result.time.size == 1000 * (1 + room // 250_000) == handed[0]
     assert str(caught.value).endswith(f"it holds what was up to t = {result.time[-1]:.6g} s")
     assert not result.complete
     assert result.events == [(0.0, "hl1", "latch-up")]
@@ -284,6 +287,40 @@ def test_file_that_may_grow_no_further_keeps_its_rows(tmp_path, size_limit, room
     for g in range(3):
         for name in names:
             np.testing.assert_array_equal(result.signal(f"c{g}", name), result.time + g)
+
+
+def test_a_run_whose_first_rows_have_no_room_does_not_begin(tmp_path, monkeypatch):
+    """Full disk: it is told before the first step, and an earlier result stays in every byte."""
+    path = write(tmp_path / "run.h5")
+    before = path.read_bytes()
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("orchestrator.results.result_file.reserve", full)
+    assert "cannot be written here (No space left on device)" in message(
+        ResultWriter, path, GROUPS, {}, {}, ()
+    )
+    assert path.read_bytes() == before
+    assert [found.name for found in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_a_disk_that_fills_within_a_second_takes_no_row(tmp_path, monkeypatch):
+    """Full disk: its first thousand rows had their room; what is handed over then is refused at once."""
+    path, handed = tmp_path / "run.h5", []
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    def fill():
+        with ResultWriter(path, GROUPS, {}, {}, ()) as writer:
+            monkeypatch.setattr("orchestrator.results.result_file.reserve", full)
+            while True:
+                handed.append(float(len(handed)))
+                writer.append(handed[-1], [np.zeros(4), np.zeros(1)])
+
+    assert message(fill).endswith("it holds what was up to t = 999 s")
+    assert Result.open(path).time.tolist() == handed
 
 
 def test_nothing_of_what_is_reserved_stays(tmp_path):

@@ -25,7 +25,7 @@ from orchestrator.results.result_file import with_statistics
 from orchestrator.run import refinement
 from orchestrator.run.companion import with_estimates
 from orchestrator.run.refinement import error_in_tolerances, is_too_uncertain, refined, smaller_tolerance
-from orchestrator.run.run import run
+from orchestrator.run.run import RunError, run
 from tests.unit.run.test_verify import smooth_scene
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
@@ -165,25 +165,24 @@ def test_a_repetition_that_costs_too_much_is_not_made(outcome, monkeypatch, pred
 
 
 def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):
-    """Bad input: interrupted on its way, it leaves the result as it was, no file beside it, and says why."""
+    """Bad input: failing on its way, it leaves the result as it was, no file beside it, and says why."""
     bad, said = off_by(outcome, 60.0), []
     other = tmp_path / "run.refined.h5"
     other.write_text("a file of the user's")
 
     @contextmanager
-    def interrupting(_, __):
+    def failing(_, __):
         def watch(time, h):
             if time > 1.0:
-                raise KeyboardInterrupt
+                raise RunError("run: it fails at t = 1", reason="it fails at t = 1")
 
         yield watch
 
-    assert refined(smooth_scene(), bad, ASKED, UNTIL, interrupting, said.append) == (bad, ASKED)
+    assert refined(smooth_scene(), bad, ASKED, UNTIL, failing, said.append) == (bad, ASKED)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run.refined.h5"]
     assert other.read_text() == "a file of the user's"
     assert "the result is that of 0.001, as the repetition failed" in said[-1]
-    assert "interrupted at t = 1" in said[-1]
-    assert "results up to there" not in said[-1]
+    assert said[-1].endswith("it fails at t = 1")
 
 
 def test_doubts_of_a_repeated_run(outcome):

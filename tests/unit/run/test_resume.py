@@ -3,11 +3,14 @@
 import shutil
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
 import orchestrator as fanfold
+from orchestrator.results.recorder import SignalGroup
 from orchestrator.results.result import Result
+from orchestrator.results.result_file import ResultWriter
 from orchestrator.run.checkpoint import Checkpoint, checkpoint_file
 from orchestrator.run.run import RunError
 
@@ -203,6 +206,56 @@ def test_result_that_ends_before_the_checkpoint(cut):
     checkpoint_file(cut).rename(checkpoint_file(cut.with_name("short.h5")))
     with pytest.raises(fanfold.FanfoldError, match="cannot be gone on with"):
         fanfold.resume(cut.with_name("short.h5"))
+
+
+def damaged_rows(whole):
+    """Places of bytes in a result of which resuming must see that they are others: of rows and of events."""
+    with h5py.File(whole) as file:
+        chunks = [
+            dataset.id.get_chunk_info(0).byte_offset
+            for folder in (*file["signals"].values(), file["events"])
+            for dataset in folder.values()
+            if dataset.id.get_num_chunks()
+        ]
+        chunks.append(file["time"].id.get_chunk_info(0).byte_offset)
+    return chunks
+
+
+def test_rows_that_were_damaged_before_the_checkpoint(cut):
+    """Regression: a flipped bit of them passed for what was written, in a run that goes on "in every bit"."""
+    sound, state = cut.read_bytes(), checkpoint_file(cut).read_bytes()
+    for place in damaged_rows(cut)[::7]:
+        cut.write_bytes(sound[:place] + bytes([sound[place] ^ 0x01]) + sound[place + 1 :])
+        with pytest.raises(
+            fanfold.FanfoldError, match="before its checkpoint are not those that were written"
+        ):
+            fanfold.resume(cut)
+        assert checkpoint_file(cut).read_bytes() == state
+    cut.write_bytes(sound)
+    fanfold.resume(cut)
+
+
+@pytest.mark.parametrize("rows", [0, 1, 999, 1000, 1001, 2000, 2345])
+def test_places_are_met_again_and_checked(tmp_path, rows):
+    """Identity: rows that were handed over, at and between the ends of chunks; the checksum of another is refused."""
+    path, groups = tmp_path / "run.h5", [SignalGroup("c", ("v",), ("m",), (2,), ("",))]
+    writer = ResultWriter(path, groups, {}, {}, ())
+    for k in range(rows):
+        writer.append(float(k), [np.array([k, -k])])
+        if k % 500 == 0:
+            writer.event(float(k), "c", f"at {k} µs")
+    place = writer.place()
+    writer.append(1e4, [np.zeros(2)])
+    writer.close(complete=False)
+    with pytest.raises(fanfold.FanfoldError, match="run it anew"):
+        ResultWriter.resumed(path, groups, place._replace(checksum=place.checksum ^ 1))
+    with ResultWriter.resumed(path, groups, place) as writer:
+        assert writer.place() == place
+        writer.append(2e4, [np.ones(2)])
+    result = Result.open(path)
+    np.testing.assert_array_equal(result.time, [*range(rows), 2e4])
+    np.testing.assert_array_equal(result.signal("c", "v")[:-1, 1], -np.arange(rows))
+    assert result.events == [(float(k), "c", f"at {k} µs") for k in range(0, rows, 500)]
 
 
 def test_runs_that_have_no_checkpoints(tmp_path):

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy import read_model_description
+from lxml import etree
 
 import orchestrator as fanfold
 from fmus import native_library
+from tests.unit.run.as_one.host import Host
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
 
@@ -32,6 +34,23 @@ def test_keeps_to_the_schema(written):
     with SSP(written, mode="r") as archive, archive.system_structure as structure:
         structure.__check_compliance__()
         assert structure.check_connections(connector_not_in_system=True, unconnected_inputs=True) == []
+
+
+def test_omsimulator_has_a_step_and_tolerances(written):
+    """Its schema `oms.xsd`: tolerances of a FixedStepMaster are optional, and 0 where they are left out."""
+    with zipfile.ZipFile(written) as archive:
+        (master,) = etree.fromstring(archive.read("SystemStructure.ssd")).iterfind(".//{*}FixedStepMaster")
+    assert [float(master.get(f"{kind}Tolerance")) for kind in ("absolute", "relative")] == [1e-4, 1e-4]
+
+
+def test_no_orientation_starts_at_minus_1(written, tmp_path):
+    """PyFMI couples FMUs by a factor of 1 + y. A panel folded by half a turn: 0, 0, 1, 0, not 0, 0, -1, 0."""
+    with zipfile.ZipFile(written) as archive:
+        path = Path(archive.extract("resources/panel.fmu", tmp_path))
+    host = Host(path).start()
+    outputs = [host[name] for name in host.outputs if ".orientation" in name]
+    assert max(outputs) == 1.0
+    assert min(outputs) > -1e-9
 
 
 def test_fmpy_reads_it(written, tmp_path):
@@ -138,7 +157,7 @@ def test_a_system_that_was_changed_is_no_longer_the_scene(written, tmp_path):
         "in place of more.ssv; lay": without(written, "", tmp_path / "c.ssp", **{"more.ssv": b""}),
         "holds no scene": without(written, "resources/scene.json", tmp_path / "d.ssp"),
         "is damaged": without(written, "", tmp_path / "e.ssp", **{"resources/scene.json": b"[]"}),
-        "no SSP file": tmp_path / "f.ssp",
+        "cannot be read as an SSP file": tmp_path / "f.ssp",
     }
     (tmp_path / "f.ssp").write_bytes(b"PK nothing")
     for sentence, path in cases.items():

@@ -239,7 +239,7 @@ def test_a_result_is_no_scene_and_points_are_one_or_two(tmp_path):
     """Sentences, for what people confuse."""
     path = tmp_path / "wing.h5"
     path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(8))
-    with pytest.raises(SceneError, match=r"wing.h5: is a result, and no scene; `fanfold plot`"):
+    with pytest.raises(SceneError, match=r"wing.h5: is a result, not a scene; use `fanfold plot`"):
         fanfold.Scene.load(path)
     scene = fanfold.Scene("two", until=1)
     with pytest.raises(SceneError, match="give one name, or an inboard and an outboard one"):

@@ -57,8 +57,8 @@ def test_the_wrench_mode_reaches_the_component(tmp_path, mode):
     ("old", "new", "sentence"),
     [
         ('kind = "eddy_current_damper"', 'kind = "magnet"', "connection.brake.kind: 'magnet' is not a known component"),
-        ('kind = "eddy_current_damper"', 'kind = "body"', "connection.brake.structure: "),
-        ("axis = [0.0, 1.0, 0.0]", "axle = 1", "connection.brake.structure: "),
+        ('kind = "eddy_current_damper"', 'kind = "body"', "connection.brake.kind: body is a body; it cannot"),
+        ("axis = [0.0, 1.0, 0.0]", "axsi = 1", "brake.structure.axsi: is not a known key; did you mean axis"),
         ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "connection.brake.structure: axis has no length"),
         ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 1.0]", "connection.brake.structure: axis has 2 numbers"),
         ("axis = [0.0, 1.0, 0.0]", 'axis = "+y"', "structure: axis is '+y'; give three numbers along the axes"),
@@ -75,6 +75,19 @@ def test_what_a_component_does_not_accept_is_a_sentence_with_its_key(tmp_path, o
     with pytest.raises(SceneError) as caught:
         load_text(tmp_path, TWO_PANELS + edited(DAMPER, (old, new), count=1))
     assert any(sentence in problem for problem in caught.value.problems), caught.value.problems
+
+
+@pytest.mark.parametrize("kind", ["load", "contact", "drag", "suspension", "point_motion"])
+def test_a_mistyped_key_of_structure_is_a_sentence(tmp_path, kind):
+    """Regression: "load cannot be made of {...}: Load.__init__() got an unexpected keyword argument"."""
+    text = TWO_PANELS + edited(
+        DAMPER, ("axis = [0.0, 1.0, 0.0]", "axsi = 1"), ("eddy_current_damper", kind), count=1
+    )
+    with pytest.raises(SceneError) as caught:
+        load_text(tmp_path, text)
+    (problem,) = (one for one in caught.value.problems if "brake.structure" in one)
+    assert "connection.brake.structure.axsi: is not a known key" in problem
+    assert "__init__" not in problem
 
 
 def test_a_unit_that_only_the_component_knows_may_stand_behind_a_number():

@@ -256,6 +256,20 @@ def test_a_scene_drops_a_variant_of_what_it_extends():
     assert "free" not in scene_variants(find_scene("amos3-ground"))
 
 
+@pytest.mark.parametrize("name", ["x" * 5000, "a\\u0000b", "/dev/zero", "/"])
+def test_names_that_no_file_has_are_sentences(tmp_path, name):
+    """Reproduction: OSError of a name of 5000 characters. A device is no file, as reading it never ends."""
+    path = written(tmp_path, "above.toml", f'extends = "{name}"\n')
+    assert "there is no scene and no file" in problems_of(path)
+    tables = (
+        f'[[body]]\nname = "panel"\nimport = {{ stiffness = "{name}", mass = "{name}", coordinates = "{name}" }}',
+        f'[[fmu]]\nname = "x"\nfile = "{name}"\nstep = 0.1',
+        f'[scene]\nplugins = ["{name}.py"]',
+    )
+    for table in tables:
+        assert problems_of(written(tmp_path, "above.toml", f'extends = "workbench"\n{table}\n'))
+
+
 def test_a_layer_removes_an_entry_and_writes_it_again(tmp_path):
     """Regression: fewer keys than before were read as a change of what another variant removed."""
     base = written(tmp_path, "wing.toml", TWO_PANELS)

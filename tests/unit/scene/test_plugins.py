@@ -34,7 +34,7 @@ length = {{ value = {length}, unit = "m", source = "assumed" }}
 """
 
 
-pytestmark = pytest.mark.usefixtures("kept_registry")
+pytestmark = pytest.mark.usefixtures("kept_registry", "nothing_trusted")
 
 
 def driven(component, angles, h=0.01):
@@ -73,7 +73,7 @@ def test_scenes_load_plugins_beside_them(tmp_path):
     (tmp_path / "parts" / "small.py").write_text(SMALL)
     path = tmp_path / "wing.toml"
     path.write_text('extends = "workbench"\n[scene]\nname = "wing"\nplugins = ["parts/small.py"]\n')
-    fanfold.load(path)
+    fanfold.load(path, trust=True)
     assert "small" in REGISTRY
     assert fanfold.load(path).tree["scene"]["plugins"] == [str(tmp_path / "parts" / "small.py")]
 
@@ -116,7 +116,7 @@ def test_what_cannot_be_loaded_is_a_sentence(tmp_path, name, content, said):
     assert known == REGISTRY
     wing = tmp_path / "wing.toml"
     wing.write_text(f'extends = "workbench"\n[scene]\nname = "wing"\nplugins = ["{name}"]\n')
-    (problem,) = fanfold.check_scene(wing).problems
+    (problem,) = fanfold.check_scene(wing, trust=True).problems
     assert "scene.plugins: " in problem
     assert said in problem
 
@@ -159,7 +159,7 @@ def test_components_that_lack_something_are_sentences(tmp_path, start, said):
         'kind = "unfinished"\nports = { inboard = { body = "base", point = "hl_left" }, '
         'outboard = { body = "panel", point = "hl_left" } }\n'
     )
-    assert any(said in problem for problem in fanfold.check_scene(wing).problems)
+    assert any(said in problem for problem in fanfold.check_scene(wing, trust=True).problems)
 
 
 TRIED = (
@@ -218,7 +218,7 @@ def test_what_only_a_step_shows_is_told_before_a_run(tmp_path, unit, heat, recor
         'kind = "unfinished"\nports = { inboard = { body = "workbench_table", point = "hl_left" }, '
         'outboard = { body = "panel", point = "hl_left" } }\n'
     )
-    (problem,) = fanfold.check_scene(wing).problems
+    (problem,) = fanfold.check_scene(wing, trust=True).problems
     assert said in problem
 
 

@@ -28,6 +28,11 @@ BAD = {
         "hinge_line.root_line.harness: the angles of the table must increase",
     ),
     "mistyped table": ("[[damper]]", "[[dampr]]", "dampr: is not a known table; did you mean damper"),
+    "unit without its dot": (
+        LATCH,
+        LATCH + 'friction_preload = "0.15 Nm"\n',
+        "is '0.15 Nm'; write '0.15 N.m'",
+    ),
     "degrees forgotten": (
         'aligned_angle = "180 deg"',
         "aligned_angle = 180",
@@ -297,3 +302,28 @@ def test_named_scenes_are_found_and_unknown_ones_named():
     assert find_scene(str(SCENES / "two_panels.toml")) == SCENES / "two_panels.toml"
     with pytest.raises(SceneError, match=r"no scene and no file 'amos4'; scenes are .*amos3"):
         find_scene("amos4")
+
+
+@pytest.mark.parametrize(
+    ("table", "mistyped"),
+    [("[[hinge_line]]", "[[hingeline]]"), ("[[damper]]", "[[dampr]]"), ("[base]", "[bas]")],
+)
+def test_a_mistyped_table_is_a_single_problem(tmp_path, table, mistyped):
+    """Regression: [[hingeline]] gave 27 problems, 26 of which followed from the first; others are still found."""
+    text = COMPLETE.replace(table, mistyped)
+    (problem,) = problems_of(tmp_path, text)
+    name = table.strip("[]")
+    assert f"is not a known table; did you mean {name}" in problem
+    assert len(problems_of(tmp_path, text.replace("until = 2.0", "until = true"))) == 2
+
+
+def test_points_of_an_open_hinge_are_named_with_their_coordinates(tmp_path):
+    """Both points: which of them is wrong nobody knows."""
+    problems = problems_of(
+        tmp_path, edited(COMPLETE, ("tip_left = [1.6, 0.5, 0.0]", "tip_left = [1.55, 0.5, 0.0]"))
+    )
+    (problem,) = (
+        one for one in problems if ("apart" in one and "middle_left" in one) or "middle_right" in one
+    )
+    assert "of inner at (1.6, -0.5, 0) m" in problem or "of inner at (1.55, 0.5, 0) m" in problem
+    assert "of outer at (0, " in problem

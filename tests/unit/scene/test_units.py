@@ -40,6 +40,14 @@ def test_every_unit_accepts_itself_and_refuses_others(unit):
         to_si("3 furlong", unit)
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "meant"), [("0.15 Nm", "N.m", "0.15 N.m"), ("5 Nms/rad", "N.m.s/rad", "5 N.m.s/rad")]
+)
+def test_a_unit_without_its_dots_is_shown_with_them(text, unit, meant):
+    with pytest.raises(ValueError, match=f"write '{meant}'"):
+        to_si(text, unit)
+
+
 def test_units_are_those_of_the_components():
     """Completeness: a scene can give every parameter with its unit, but for modal coordinates, which exports find."""
     every = (q for kind in REGISTRY.values() for q in kind.example().parameter_layout.quantities)

@@ -19,6 +19,7 @@ from orchestrator.results.result import Result
 from orchestrator.views import plots, space
 from orchestrator.views import shapes as plot_shapes
 from orchestrator.views.depth import back_to_front
+from orchestrator.views.stress import _histories as stress_histories
 from tests.references import synthetic_result as reference
 
 EVERY_FIGURE = {
@@ -181,6 +182,16 @@ def test_labels_of_close_events_stand_side_by_side(result):
     boxes = [Text.get_window_extent(text) for text in axes.texts]  # without their leaders
     assert all(left.x1 <= right.x0 for left, right in pairwise(boxes))
     assert all(box.y0 > axes.get_window_extent().y1 for box in boxes)
+
+
+def test_labels_of_stress_histories_stand_side_by_side():
+    """Regression: the names of lines that latch together were printed over each other."""
+    time, marks = np.linspace(0.0, 20.0, 50), {"HL4": 12.0, "HL3": 12.02, "HL2": 12.7}
+    figure = stress_histories("panel", time, np.ones((50, 2)), np.array([3, 4]), marks)
+    figure.draw_without_rendering()
+    boxes = [Text.get_window_extent(text) for text in figure.axes[0].texts]
+    assert len(boxes) == 3
+    assert all(left.x1 <= right.x0 for left, right in pairwise(boxes))
 
 
 def test_angles_are_named_by_line(result):

@@ -105,7 +105,7 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
     return (Loads){
         {load[0], load[1], load[2]},
         conjugate_torque(load[HINGE_ANGLE], (Transverse){load[4], load[5]}, mean_swing(x, new)),
-        0.0,
+        locked ? load[HINGE_ANGLE] : 0.0,
         {0.0, 0.0, grip->presliding, 0.0},
         {0.0, latch, 0.0},
         sum - latch,

@@ -103,8 +103,10 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
     Loads loads;
     for (int i = 0; i < LOAD_COUNT * MID_STEP_SLOPE_SIZE; i++) x_next[X_LOADS + i] = 0.0;
     store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + X_SLIDING);
+    x_next[X_LATCH_IMPULSE] = x[X_LATCH_IMPULSE];
     if (commanded(u, U_IMPULSE)) {
         loads = impulse_loads(hinge, x, grip, new, h);
+        x_next[X_LATCH_IMPULSE] += h * loads.latch_torque;
         if (hinge->locks && x[X_LATCHED] == 0.0) grip->latched_angle = new->coordinates[HINGE_ANGLE];
         store_rates_after_impulse(new, x_next);
     } else {
@@ -145,7 +147,8 @@ static inline void free_step(const Hinge *hinge, const double *x, const Motion *
 static inline int is_open_across(const Hinge *hinge, const Motion *new, Reason *why) {
     const double *stiffness = hinge->base.p + P_ROTATIONAL_STIFFNESS;
     if (stiffness[1] == 0.0 && stiffness[2] == 0.0) return 1;
-    double bent = hypot(creal(new->coordinates[HINGE_ANGLE + 1]), creal(new->coordinates[HINGE_ANGLE + 2]));
+    const double one = creal(new->coordinates[HINGE_ANGLE + 1]), other = creal(new->coordinates[HINGE_ANGLE + 2]);
+    const double bent = sqrt(one * one + other * other); /* hypot needs a younger C library, and both are below pi */
     if (!(bent > FOLDED)) return 1;
     return refuse(why, "the hinge is bent by %.0f deg across its line, where the angle about it has no meaning; stiffen"
                   " it across (cross_stiffness of a scene's joints)", bent * 57.29577951308232);

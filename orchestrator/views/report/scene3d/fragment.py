@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from base64 import b64encode
 from collections.abc import Sequence
+from functools import cache
+from hashlib import sha256
 from html import escape
 from pathlib import Path
 
@@ -54,15 +56,25 @@ def plots() -> str:
 
 def scripts(content: Content) -> str:
     """The data, and what shows it."""
+    return f"""<script type="application/json" id="view-data">{safe_json(content.data)}</script>
+<script>{_script()}</script>"""
+
+
+def script_digest() -> str:
+    """SHA-256 of the script, as a policy of browsers names it: that one runs, and no other."""
+    return f"sha256-{b64encode(sha256(_script().encode()).digest()).decode()}"
+
+
+@cache
+def _script() -> str:
     shaders = {path.name: path.read_text(encoding="utf-8") for path in sorted(_FOLDER.glob("*.glsl"))}
     body = "\n".join(_text(f"{name}.js") for name in _SCRIPTS)
-    return f"""<script type="application/json" id="view-data">{safe_json(content.data)}</script>
-<script>
+    return f"""
 (() => {{
 "use strict";
 const SHADERS = {json.dumps(shaders)};
 {body}}})();
-</script>"""
+"""
 
 
 def _text(name: str) -> str:

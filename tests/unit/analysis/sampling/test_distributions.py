@@ -16,7 +16,8 @@ TWO = (varied("friction.coefficient=uniform(0.05, 0.2)"), varied("a.b,a.c*=norma
     [
         ("uniform(0.05, 0.25)", 0.15, 0.05, 0.25, 0.05 + 0.2 * 0.975),
         ("normal(1.65 N.m, 0.05 N.m)", 1.65, 1.5, 1.8, 1.65 + 0.05 * norm.ppf(0.975)),
-        ("lognormal(2, 1.1)", 2.0, 2.0 / 1.331, 2.0 * 1.331, 2.0 * 1.1 ** norm.ppf(0.975)),
+        ("normal(1.65 N.m, 10 %)", 1.65, 1.155, 2.145, 1.65 + 0.165 * norm.ppf(0.975)),
+        ("normal(3 %, 1 %)", 3.0, 0.0, 6.0, 3.0 + norm.ppf(0.975)),
         # area below the mode is half of the triangle
         ("triangular(0, 1, 2)", 1.0, 0.0, 2.0, 2.0 - np.sqrt(0.05)),
         ("truncated_normal(0, 1, -1, 1)", 0.0, -1.0, 1.0, norm.ppf(norm.cdf(-1) + 0.975 * (1 - 2 * norm.cdf(-1)))),
@@ -32,6 +33,19 @@ def test_quantiles_are_those_of_the_definition(text, median, low, high, upper):
     assert found.quantile(np.array([0.975]))[0] == pytest.approx(upper, rel=1e-12)
 
 
+@pytest.mark.parametrize("text", ["lognormal(0.15 N.m, 40 %)", "lognormal(5 %, 40 %)", "lognormal(1, 40 %)"])
+def test_a_lognormal_has_its_mean_and_coefficient_of_variation(text):
+    """Definition: standard deviation over mean by quadrature of the quantile function; closed form of the median."""
+    found = distribution(text)
+    mean = float(text.split("(")[1].split()[0].strip(","))
+    drawn = found.quantile((np.arange(200_000) + 0.5) / 200_000)
+    assert drawn.mean() == pytest.approx(mean, rel=1e-3)
+    assert drawn.std() / drawn.mean() == pytest.approx(0.4, rel=1e-2)
+    assert found.nominal == pytest.approx(mean / np.sqrt(1.0 + 0.4**2), rel=1e-12)
+    assert np.log(found.high / found.nominal) == pytest.approx(3.0 * np.sqrt(np.log(1.16)), rel=1e-12)
+    assert found.unit == text.split("(")[1].split(",")[0].partition(" ")[2]
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -44,7 +58,9 @@ def test_quantiles_are_those_of_the_definition(text, median, low, high, upper):
         ("uniform(1 N.m, 2)", "different units"),
         ("normal(1, 0)", "standard deviation must be positive"),
         ("triangular(0, 3, 2)", "must rise"),
-        ("lognormal(2, 0.9)", "ratio more than 1"),
+        ("lognormal(2, 0.9)", "coefficient of variation in %"),
+        ("lognormal(2, 0 %)", "must be positive"),
+        ("lognormal(-2, 10 %)", "must be positive"),
     ],
 )
 def test_what_is_no_distribution_is_a_sentence(text, said):

@@ -3,32 +3,39 @@
 import csv
 import json
 import os
+import re
 import signal
-from contextlib import contextmanager
-from dataclasses import replace
+import subprocess
+import sys
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import orchestrator as fanfold
+from orchestrator.analysis.sampling import carry_out, workers
 from orchestrator.analysis.sampling import sample as one_sample
-from orchestrator.analysis.sampling import workers
 from orchestrator.analysis.sampling.carry_out import asked_of
 from orchestrator.analysis.sampling.distributions import StudyError
 from orchestrator.analysis.sampling.influence import influence
 from orchestrator.analysis.sampling.journal import Journal, journal_file
 from orchestrator.analysis.sampling.plan import Plan
 from orchestrator.analysis.sampling.sample import Sample, Task, run_sample
-from orchestrator.analysis.sampling.study import Study
+from orchestrator.analysis.sampling.study import Share, Study, runs_for
 from orchestrator.analysis.sampling.varied import varied
 from orchestrator.cli.main import main
+from orchestrator.cli.study import _report as report
 from orchestrator.run.errors import InterruptedRunError
 from orchestrator.run.simulation import Options
 from tests.unit.scene.scene_cases import SCENES
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
 
+ROOT = Path(__file__).parents[4]
 WING = SCENES / "two_panels.toml"
 VARY = {"friction.coefficient": "uniform(0.05, 0.2)", "hinge_line.root_line.motor.stowed*": "normal(1, 0.05)"}
 ASKED = {"rigid": "all", "until": 0.3, "tolerance": 1e-2, "runs": 4}
@@ -53,7 +60,7 @@ def settings_of(study, index):
 
 def same(one, other):
     assert one.parameters.keys() == other.parameters.keys()
-    for table in ("parameters", "numbers", "latched", "signals"):
+    for table in ("parameters", "numbers", "opened", "signals"):
         a, b = getattr(one, table), getattr(other, table)
         assert a.keys() == b.keys()
         for name in a:
@@ -151,6 +158,64 @@ def test_an_interrupted_study_goes_on(here, tmp_path):
     assert [float(row[1]) for row in rows[1:]] == here.parameters["friction.coefficient"].tolist()
 
 
+def test_a_damaged_line_of_a_journal_is_drawn_again(here, tmp_path):
+    """Flips: whichever byte of a journal changes, no sample is read that is not one that was written."""
+    path, generator = tmp_path / "study.h5", np.random.default_rng(1)
+    written = [Sample(k, numbers={"latch time": (0.1 * k, "s", None)}, opened={"L": True}) for k in range(3)]
+    with Journal.begin(path, here.asked) as journal:
+        for sample in written:
+            journal.append(sample)
+    text = journal_file(path).read_bytes()
+    first = text.index(b"\n") + 1
+    lines = {json.dumps(asdict(sample)) for sample in written}
+    for place in generator.integers(first, len(text), 100):
+        damaged = bytearray(text)
+        damaged[place] ^= 1 << int(generator.integers(0, 8))
+        journal_file(path).write_bytes(damaged)
+        journal, _, samples = Journal.resume(path)
+        with journal:
+            journal.append(written[0])  # what follows stands on a line of its own
+        again, _, more = Journal.resume(path)
+        with again:
+            assert {json.dumps(asdict(sample)) for sample in samples} < lines
+            assert len(samples) >= 1
+            assert 0 in [sample.index for sample in more]
+    journal_file(path).write_bytes(b"{" + text)
+    with pytest.raises(StudyError, match="delete it and begin again"):
+        Journal.resume(path)
+
+
+def test_a_cluster_without_its_scheduler_is_a_sentence(tmp_path, monkeypatch):
+    """Regression: CancelledError as a traceback; the journal stays, and the sentence has the command to go on with."""
+
+    class Gone(Executor):
+        def submit(self, *_):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    monkeypatch.setattr(carry_out, "dask", lambda address: lambda count: nullcontext(Gone()))
+    path = tmp_path / "study.h5"
+    with pytest.raises(StudyError, match="no longer answers") as refused:
+        fanfold.study(WING, VARY, cluster="tcp://host:1", save=path, **ASKED)
+    assert f"fanfold study {path}" in str(refused.value)
+    assert journal_file(path).exists()
+
+
+def test_the_tracker_of_semaphores_prints_nothing():
+    """Regression: after the kill of a worker, loky's tracker printed the traceback of a KeyError on the terminal."""
+    code = """
+from loky.backend import resource_tracker
+from orchestrator.analysis.sampling import workers
+with workers.local(2) as pool:
+    pool.submit(int).result()
+    resource_tracker.unregister("/of-no-worker", "semlock")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_an_interrupted_run_is_no_failed_sample(here, tmp_path, monkeypatch):
     """Regression: Ctrl-C within a run counted as its failure, and the study went on; the sample runs again later."""
     path, run = tmp_path / "study.h5", one_sample.simulate
@@ -192,7 +257,7 @@ def test_shares_of_variance_and_what_lets_lines_latch_are_told(tmp_path):
     assert moved["variance_shares"].keys() == moved["changes"].keys() == set(VARY)
     study = fanfold.Study.open(file)
     assert len(study.messages) == 8
-    assert all(share.among == 4 for share in study.not_latching().values())
+    assert all(share.among == 4 for share in study.not_opening().values())
 
 
 def test_worst_cases_are_told_with_their_samples(tmp_path):
@@ -248,7 +313,7 @@ def synthetic(here, method, numbers, runs=256, texts=("a=uniform(0, 1)", "b=unif
     plan = Plan(tuple(map(varied, texts)), method, runs)
     asked = {**here.asked, "varied": texts, "method": method, "runs": runs}
     samples = [
-        Sample(k, numbers={name: (f(*row), "N", None) for name, f in numbers.items()}, latched={"L": k > 0})
+        Sample(k, numbers={name: (f(*row), "N", None) for name, f in numbers.items()}, opened={"L": k > 0})
         for k, row in enumerate(plan.samples().tolist())
     ]
     return fanfold.Study.of_record(Study.of(asked, samples))
@@ -298,11 +363,28 @@ def test_all_variance_is_that_of_the_only_key(here):
 
 def test_the_share_that_does_not_latch_has_clopper_pearson_bounds(here):
     """Closed form for 1 of 256: 1 - 0.975^(1/256) below, and the root of P(X <= 1) = 0.025 above."""
-    share = synthetic(here, "random", {"latch_time.L": lambda a, b: a}).not_latching()["L"]
+    share = synthetic(here, "random", {"latch_time.L": lambda a, b: a}).not_opening()["L"]
     assert (share.samples, share.among) == (1, 256)
     assert share.low == pytest.approx(1.0 - 0.975 ** (1 / 256), rel=1e-9)
     p = share.high
     assert (1 - p) ** 256 + 256 * p * (1 - p) ** 255 == pytest.approx(0.025, rel=1e-6)
+    assert (1 - share.below) ** 256 + 256 * share.below * (1 - share.below) ** 255 == pytest.approx(0.05)
+
+
+def test_the_wing_fails_where_any_line_does(here):
+    """Counts by hand: lines fail in samples 0 and 1 of four, another has not finished; 1 - 0.05^(1/n) for none of n."""
+    lines = {"a": np.array([0.0, 1.0, 1.0, np.nan]), "b": np.array([1.0, 0.0, 1.0, np.nan])}
+    wing = replace(here, opened=lines).wing_not_opening()
+    assert (wing.samples, wing.among) == (2, 3)
+    assert replace(here, opened={}).wing_not_opening() is None
+    assert Share.of(0, 200).below == pytest.approx(1.0 - 0.05 ** (1 / 200), rel=1e-9)
+
+
+@pytest.mark.parametrize("bound", [0.1, 1e-3, 1e-6])
+def test_runs_for_a_bound_are_the_fewest_that_show_it(bound):
+    """Definition, by the bound of Clopper and Pearson: so many runs without a failure are below it, less are not."""
+    runs = runs_for(bound)
+    assert Share.of(0, runs).below <= bound < Share.of(0, runs - 1).below
 
 
 def test_command(tmp_path, monkeypatch):
@@ -317,13 +399,46 @@ def test_command(tmp_path, monkeypatch):
     study = fanfold.Study.open(told["output"])
     assert told["quantiles"]["end_time"]["50%"] == 0.3
     assert study.plan.count == 4
-    assert (tmp_path / "two_panels.study.csv").is_file()
+    assert (tmp_path / "two_panels.rigid.study.csv").is_file()
+    finer = [*arguments, "--seed", "1"]
+    refused = CliRunner().invoke(main, finer)
+    assert refused.exit_code == 1
+    assert (
+        "two_panels.rigid.study.h5: this file was made with other settings, seed 0 instead of 1"
+        in refused.stderr
+    )
+    assert fanfold.Study.open(told["output"]).plan.seed == 0
+    assert CliRunner().invoke(main, [*finer, "--replace"]).exit_code == 0
+    assert fanfold.Study.open(told["output"]).plan.seed == 1
+    assert CliRunner().invoke(main, finer).exit_code == 0
     shown = CliRunner().invoke(main, ["study", str(WING), "--vary", "friction.coefficient=uniform(1)"])
     assert shown.exit_code == 1
     assert "it is written uniform(LOW, HIGH)" in shown.stderr
     again = CliRunner().invoke(main, ["study", told["output"]])
     assert again.exit_code == 0, again.stderr
-    assert "moved most by" in again.stdout
+    assert "most sensitive to" in again.stdout
+
+
+def test_command_says_how_often_the_wing_opens(here, tmp_path, capsys):
+    """Numbers: 1 of 256 fails, interval and bound of Clopper and Pearson; long keys keep their ends."""
+    drawn = synthetic(here, "random", {"latch_time.L": lambda a, b: a})
+    names = dict(
+        zip(
+            (f"table.{'long_' * 20}name.a", f"table.{'long_' * 20}name.b"),
+            drawn.parameters.values(),
+            strict=True,
+        )
+    )
+    report(replace(drawn, parameters=names, path=tmp_path / "a.h5"), [])
+    told = " ".join(capsys.readouterr().out.split())
+    wing, line = drawn.wing_not_opening(), drawn.not_opening()["L"]
+    assert "255 of 256" in told
+    assert f"{100 * wing.below:.2g} % (95 %" in told
+    assert f"{100 * line.low:.2g} % to {100 * line.high:.2g} %" in told
+    assert re.search(r"…\S*name\.a", told)
+    whole = replace(drawn, opened={"L": np.ones(256)}, path=tmp_path / "a.h5")
+    report(whole, [])
+    assert f"{runs_for(0.01):,} runs" in " ".join(capsys.readouterr().out.split())
 
 
 def test_figures_are_drawn(here, tmp_path):

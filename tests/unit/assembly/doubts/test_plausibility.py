@@ -12,7 +12,7 @@ from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.builder import Scene
 from orchestrator.scene.table import SceneError
 from tests.references.edits import edited
-from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text
+from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text, problems_of
 
 SOUND = [("workbench", ""), ("bepicolombo", ""), ("amos3", ""), ("amos3", "central_loops"), ("amos3-ground", ""),
          ("arabsat", "phase1"), ("arabsat", "phase2")]  # fmt: skip
@@ -291,7 +291,7 @@ arm = { y = "0.5 m", length = "30 mm", patch = "60 mm" }
     ("areal_mass", "core", "modulus", "words"),
     [
         ("3 kg/m2", "20 mm", '"70 GPa"', []),
-        ("3 kg/m2", "20 m", '"70 GPa"', ["plate theory does not hold"]),
+        ("3 kg/m2", "0.5 m", '"70 GPa"', ["plate theory does not hold"]),
         ("3000 kg/m2", "20 mm", '"70 GPa"', ["denser than any material"]),
         ("1e-6 kg/m2", "20 mm", '"70 GPa"', ["lighter than any foam"]),
         ("3 kg/m2", "20 mm", "70", ["it would bend at 0.00091 Hz, as a cloth does"]),
@@ -315,6 +315,22 @@ def test_panels_of_impossible_thickness_or_mass_are_told(tmp_path, areal_mass, c
     )
     sentences = [s for s in doubts(load_text(tmp_path, text)) if s.startswith("body.")]
     assert [word in sentence for word, sentence in zip(words, sentences, strict=True)] == [True] * len(words)
+
+
+@pytest.mark.parametrize(
+    ("core", "meant"),
+    [('"19 m"', "did you mean 19 mm"), ("19", "did you mean 19 mm"), ('"1.2 m"', "did you mean 1.2 mm")],
+)
+def test_a_core_thicker_than_the_panel_is_wide_is_a_problem(tmp_path, core, meant):
+    """Regression: 19 m for 19 mm was a warning on sound faster than in diamond."""
+    start = TWO_PANELS.index("[body.rigid]", TWO_PANELS.index('name = "outer"'))
+    rigid = TWO_PANELS[start : TWO_PANELS.index("[[hinge_line]]")]
+    panel = (PANEL % ("3 kg/m2", "CORE", '"70 GPa"')).replace('"CORE"', core)
+    text = edited(TWO_PANELS, (rigid, panel), ('= "left"', '= "in_left"'), ('= "right"', '= "in_right"'))
+    (problem,) = problems_of(tmp_path, text)
+    assert "body.outer.panel.sandwich.core: " in problem
+    assert "the panel is wide (1.1 m)" in problem
+    assert meant in problem
 
 
 def test_a_cosine_begins_at_rest():

@@ -179,6 +179,23 @@ def test_damping_is_no_stiffness_in_a_spin():
     assert damped == pytest.approx(free, rel=1e-9)
 
 
+def test_a_base_that_starts_turned_is_reported_as_in_a_run():
+    """Rule: places are of the world, and modes of a body out of its place are others; whole turns change nothing.
+
+    Regression: the run warned of it, the modes did not.
+    """
+    heard = []
+    ramp = {"profile": "ramp", "duration": 100.0, "change": 300.0}
+    for turn in (1.0, 80.0 * np.pi):
+        law = [ramp, {"profile": "constant", "value": turn}]
+        scene = rotor(3.0).with_settings({"base.motion.rotation": law})
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            fanfold.modes(scene)
+        heard.append([one for one in warned if "places of wheel" in str(one.message)])
+    assert [len(one) for one in heard] == [1, 0]
+
+
 def test_what_spins_up_is_at_rest_where_its_law_begins():
     """Regression: rounding of a law that begins at rest was taken for a steady spin."""
     spinning_up = spun(0.0)

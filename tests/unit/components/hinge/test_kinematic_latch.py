@@ -87,14 +87,19 @@ def test_kinematic_latch_is_a_plastic_event(step):
 def test_kinematic_latch_after_a_swing(step):
     """Closed form: after the event both turn as one, with the energy H^2 / 2 I of the momentum before it.
 
+    The lock takes J^2 / 2 I of its impulse; bushings ring with 5e-5 of the energy, which the event takes as well.
     Until the event the momentum is kept to the wrenches' iteration, 1e-8.
     """
     run, i = pinned_pair(step, 0.5)
-    rate, energy, momentum = run.signal("HL2", "angular_rate"), kinetic_energy(run), momentum_about_pin(run)
+    impulse, energy, momentum = (
+        run.signal("HL2", "latch_impulse"),
+        kinetic_energy(run),
+        momentum_about_pin(run),
+    )
     assert momentum[i] == pytest.approx(momentum[0], rel=1e-8)
     assert momentum[i + 1] == pytest.approx(momentum[i], rel=1e-6)
     assert energy[i + 1] == pytest.approx(momentum[i] ** 2 / (2 * TOGETHER), rel=1e-6)
-    assert energy[i] - energy[i + 1] == pytest.approx(0.5 * REDUCED * rate[i] ** 2, rel=1e-6)
+    assert energy[i] - energy[i + 1] == pytest.approx(0.5 * impulse[i + 1] ** 2 / REDUCED, rel=1e-4)
 
 
 def test_kinematic_latch_locks_from_the_event_on():

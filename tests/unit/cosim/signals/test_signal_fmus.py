@@ -16,7 +16,7 @@ from orchestrator.assembly.doubts.plausibility import doubts
 from orchestrator.cosim.compiled_master import CompiledMaster
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.participant import ParticipantError
-from orchestrator.cosim.signals.process import SignalProcess
+from orchestrator.cosim.signals.process import DiscardedStepError, SignalProcess
 from tests.references.native_fmus import needs_native
 from tests.unit.cosim.signals.signal_cases import INERTIA, STEP, controlled, slave, spacecraft
 
@@ -217,10 +217,10 @@ FAULTS = {
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_an_fmu_that_fails_is_named_and_rows_are_kept(tmp_path, fault):
-    """Which FMU, when, what: the third step ends at 0.15 s."""
+    """Which FMU, when, what: the third step begins at 0.1 s and ends at 0.15 s."""
     broken = slave(tmp_path, fault=f"if self.count == 3: {fault}")
     path = tmp_path / "run.h5"
-    with pytest.raises(fanfold.FanfoldError, match=r"controller.* 0\.15 s") as caught:
+    with pytest.raises(fanfold.FanfoldError, match=r"controller.* 0\.15? s") as caught:
         fanfold.simulate(controlled(broken), save=path, estimate=False)
     assert FAULTS[fault] in str(caught.value)
     assert 0.1 < fanfold.Result.open(path).time[-1] < 0.15 + 1e-9
@@ -229,8 +229,22 @@ def test_an_fmu_that_fails_is_named_and_rows_are_kept(tmp_path, fault):
 def test_good_news_is_no_reason_of_a_failure(tmp_path):
     """Message. Regression: what was said last stood for why, also where all was well then."""
     file = slave(tmp_path, fault="self.log('all is well'); return self.count < 3")
-    with pytest.raises(fanfold.FanfoldError, match=r"do a step of 0\.05 s at t = 0\.15 s: fmi2DoStep failed"):
+    with pytest.raises(
+        fanfold.FanfoldError, match=r"do a step of 0\.05 s at t = 0\.1 s: it asks for the end"
+    ):
         fanfold.simulate(controlled(file), estimate=False)
+
+
+def test_an_fmu_may_ask_for_the_end(tmp_path):
+    """FMI 2.0, 4.2.1: a step is discarded and fmi2Terminated is true, which PythonFMU answers of do_step's False."""
+    file = slave(tmp_path, fault="return self.count < 3")
+    with SignalProcess(SignalFmu("controller", file, STEP, {}, (), ()), 1e-4) as one:
+        one.open([])
+        one.sample(0.0, STEP, [])
+        one.sample(STEP, STEP, [])
+        with pytest.raises(ParticipantError, match=r"at t = 0\.1 s: it asks for the end") as caught:
+            one.sample(2.0 * STEP, STEP, [])
+    assert not isinstance(caught.value, DiscardedStepError)  # no smaller step is tried
 
 
 def test_what_an_fmu_warns_of_is_told_once(tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 
 import orchestrator as fanfold
 from fmus import native_library
@@ -54,6 +55,16 @@ def test_a_step_ends_at_latch_up(path, latch_time, step):
     assert needs_event
     assert early
     assert host.time == pytest.approx(latch_time, rel=SAME)
+
+
+@pytest.mark.parametrize("early", [True, False])
+def test_a_step_that_nobody_could_wait_for_is_refused(path, early):
+    """FMI 3.0, 4.2: discarded, as smaller steps may do. Regression: it never came back."""
+    host = Host3(path, early=early)
+    with pytest.raises(FMICallException) as caught:
+        host.fmu.doStep(0.0, 1e30)
+    assert caught.value.status == 2
+    assert not host.step(0.1)[1]
 
 
 def test_an_event_is_read_before_and_after_it(path):

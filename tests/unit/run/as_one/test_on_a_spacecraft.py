@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 
 import orchestrator as fanfold
 from fmus import native_library
-from tests.unit.run.as_one.host import latching
+from tests.unit.run.as_one.host import Host, latching
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="a scene as one FMU is native")
 FREE = {"mass": "500 kg", "center_of_mass": [-1.0, 0.0, 0.0], "inertia": [400.0, 400.0, 400.0]}
@@ -51,6 +52,21 @@ def mounted(wing, step, free=FREE, told=("HL.latch_time",), *, iterated=False):
     }
     tree = {"scene": {"name": "mounted", "until": 1.2}, "base": base, "connection": loads, "fmu": [fmu]}
     return fanfold.Scene.of_tree("mounted.toml", tree)
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_a_driven_wing_starts_by_itself(tmp_path, fmi):
+    """FMI 2.0, 2.2.8: no input acts on what is read at the start, so that a tool has no loop to solve there."""
+    (path,) = fanfold.export(latching(), tmp_path, as_one=True, driven_base=True, fmi=fmi)
+    for unknown in read_model_description(str(path)).initialUnknowns:
+        assert {known.causality for known in unknown.dependencies} == {"parameter"}
+    if fmi == "2.0":
+        host = Host(path)
+        host.fmu.setupExperiment(startTime=0.0)
+        host.fmu.enterInitializationMode()
+        before = host.all()
+        host["base.acceleration[3]"], host["HL.latch_command"] = 2.0, 1.0
+        assert np.array_equal(host.all(), before)
 
 
 def test_a_wing_turns_its_spacecraft(tmp_path):

@@ -179,6 +179,35 @@ def test_an_experiment_with_a_senseless_tolerance_is_told_so(path):
     assert "it must be from 1e-10 to 0.1, and stays 0.0001" in host.said[-1]
 
 
+def test_a_tolerance_of_zero_is_none(path):
+    """OMSimulator gives 0 where its annotation has none, and takes a warning as failure."""
+    host, usual = Host(path), Host(path).start().to(0.5, 0.1).all()
+    assert np.array_equal(host.start(0.0).to(0.5, 0.1).all(), usual)
+    assert host.said == []
+
+
+@pytest.mark.parametrize("step", [1e30, 1e6])
+def test_a_step_that_nobody_could_wait_for_is_refused(path, step):
+    """FMI 2.0, 4.2.1: discarded, as smaller steps may do; nothing is lost. Regression: it never came back."""
+    host = Host(path).start().to(0.5, 0.1)
+    with pytest.raises(fmpy.fmi1.FMICallException) as caught:
+        host.fmu.doStep(0.5, step)
+    assert caught.value.status == 2
+    assert "make more communication steps" in host.said[-1]
+    assert np.array_equal(host.to(0.8, 0.1).all(), Host(path).start().to(0.8, 0.1).all())
+
+
+def test_a_step_has_to_move_time(path):
+    """In floats 1e30 s and a second are 1e30 s."""
+    host = Host(path)
+    host.fmu.setupExperiment(startTime=1e30)
+    host.fmu.enterInitializationMode()
+    host.fmu.exitInitializationMode()
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        host.fmu.doStep(1e30, 1.0)
+    assert "rounding of the time" in host.said[-1]
+
+
 def test_a_step_begins_where_the_last_one_ended(path):
     """Another communication point is refused, and nothing is lost."""
     host = Host(path).start().to(0.5, 0.1)

@@ -1,5 +1,6 @@
 """Kinematic latches of two wings on one base: close together, commanded at once, and what locks carry afterwards."""
 
+import numpy as np
 import pytest
 
 import orchestrator as fanfold
@@ -72,3 +73,46 @@ def test_errors_of_a_locks_torque_are_not_told():
     assert ("lock torque peak", "plus") not in errors
     assert ("port force peak", hinge) in errors
     assert ("port torque peak", hinge) not in errors
+
+
+def chain():
+    """Two panels; the outer one latches softly and still moves when the inner one locks."""
+    scene = fanfold.Scene("chain", until="2.5 s")
+    body = scene.base(points={"tip": (0, 0, 0)})
+    panels = [
+        scene.body(
+            f"panel_{k}",
+            rigid={
+                "mass": 4.0, "inertia": (0.5, 0.7, 1.1), "center_of_mass": (0.6, 0, 0),
+                "points": {"root": (0, 0, 0), "tip": (1.2, 0, 0)},
+            },
+        )
+        for k in (1, 2)
+    ]  # fmt: skip
+    scene.hinge_line(
+        "HL1", body, panels[0], axis="+y", aligned_angle="90 deg", motor={"stowed": 12.0, "deployed": 10.0},
+        latch={"kind": "kinematic", "stiffness": 1e4}, hinges={"hinge_1": ("tip", "root")},
+    )  # fmt: skip
+    scene.hinge_line(
+        "HL2", panels[0], panels[1], axis="-y", aligned_angle="180 deg", latch_angle="60 deg",
+        motor={"stowed": 8.0, "deployed": 8.0},
+        latch={"kind": "spring", "stiffness": 2.0, "damping_ratio": 2.0}, hinges={"hinge_2": ("tip", "root")},
+    )  # fmt: skip
+    return scene
+
+
+def test_joints_without_rates_before_a_lock_are_no_row(tmp_path):
+    """Definition: an instant has the row before a lock and the one after it; the one FMU has the impulse of the run.
+
+    Regression: the impulse that stills joints first had a row, whose rates counted for peaks of other lines.
+    """
+    found = fanfold.simulate(chain(), estimate=False, tolerance=1e-5)
+    instant = np.flatnonzero(np.abs(found.time - found.latch_times["HL1"]) < 5e-7)
+    rates = [found[hinge, "angular_rate"][instant] for hinge in ("hinge_1", "hinge_2")]
+    assert len(instant) == 2
+    assert rates[0][1] == pytest.approx(0.0, abs=1e-8)
+    assert rates[1][0] > 1.0
+    assert rates[1][1] < -1.0
+    (path,) = fanfold.export(chain(), tmp_path, as_one=True)
+    host = Host(path).start().to(2.5, 0.5)
+    assert abs(host["hinge_1.latch_impulse"]) == pytest.approx(found.headline.latch_impulses["HL1"], rel=1e-4)

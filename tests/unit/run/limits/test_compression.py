@@ -54,6 +54,6 @@ def test_a_pressed_link_is_told_of():
     assert f"0.5 of Euler's load between pinned ends ({EULER:.4g} N)" in sentence
 
 
-@pytest.mark.parametrize(("share", "keys"), [(0.1, {}), (-0.5, {}), (0.5, {"second_order_modes": 8})])
+@pytest.mark.parametrize(("share", "keys"), [(0.01, {}), (-0.5, {}), (0.5, {"second_order_modes": 8})])
 def test_little_or_pulled_or_second_order_is_not(share, keys):
     assert told(column(share, **keys)) == []

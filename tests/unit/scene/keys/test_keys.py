@@ -84,6 +84,19 @@ def test_units_and_defaults_are_those_of_the_models():
     assert listed["body", "frequencies_off"].unit == "Hz"
 
 
+def test_the_example_of_a_table_is_a_table():
+    """Truth: every example is TOML; those at the top of a file are without a problem in the schema."""
+    loose = jsonschema.Draft202012Validator(scene_schema())
+    for table in key_tables()[1:]:
+        tree = tomllib.loads(table.example)
+        assert set(tree) == {table.place.split(".")[0]}
+        if "." not in table.place and table.place not in (
+            "connection",
+            "event",
+        ):  # one of several keys is needed
+            assert list(loose.iter_errors({"extends": "amos3"} | tree)) == [], table.place
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_scene_is_valid(schema, path):
     """Truth: what is read without a problem has none for an editor either."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from base64 import b64decode
+from base64 import b64decode, b64encode
 from dataclasses import replace
+from hashlib import sha256
 from html.parser import HTMLParser
 from io import BytesIO
 
@@ -104,6 +105,17 @@ def test_page_is_whole_and_needs_nothing_else(page, text):
     assert not re.search(r"https?://|@import|url\(", text)
     assert len(page.ids) == len(set(page.ids))
     assert "@media print" in text
+
+
+def test_only_the_script_of_the_page_may_run(text):
+    """CSP 2, 4.2.5: a hash in place of 'unsafe-inline' is that of the script's text; no other base, no forms."""
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)[1]
+    scripts = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
+    allowed = [b64encode(sha256(script.encode()).digest()).decode() for script in scripts]
+    assert [f"'sha256-{digest}'" for digest in allowed] == re.search("script-src ([^;]*);", policy)[1].split()
+    assert "base-uri 'none'" in policy
+    assert "form-action 'none'" in policy
+    assert not re.search(r"<[a-z][^>]*\son[a-z]+=", text.split("<script>")[0])
 
 
 def test_every_figure_is_inside_with_a_caption(page, result):

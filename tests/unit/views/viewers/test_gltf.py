@@ -157,3 +157,18 @@ def test_what_glb_cannot_show_is_told(result, tmp_path, monkeypatch):
     with pytest.raises(fanfold.FanfoldError, match=r"needs pygltflib; .* pip install 'fanfold\[viewers\]'"):
         fanfold.export_view(result, path)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("ending", [".glb", ".pvd"])
+@pytest.mark.parametrize(
+    ("part", "value"), [("positions", np.nan), ("positions", 1e300), ("shapes", np.inf), ("faces", 10**6)]
+)
+def test_damaged_geometry_is_a_sentence(result, tmp_path, part, value, ending):
+    """Reproduction: flipped bits of a result ended in an error of JSON."""
+    name, body = next((n, b) for n, b in result.geometry.items() if np.size(b.shapes))
+    array = np.array(getattr(body, part))
+    array.flat[0] = value
+    damaged = replace(result, geometry=dict(result.geometry) | {name: replace(body, **{part: array})})
+    with pytest.raises(fanfold.FanfoldError, match=f"the geometry of {name} is damaged"):
+        fanfold.export_view(damaged, tmp_path / f"a{ending}")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,21 @@
+"""Files that are files: no folder, no device that never ends, no name that none can have."""
+
+from __future__ import annotations
+
+from errno import ENOENT
+from pathlib import Path
+
+
+def is_regular(path: Path) -> bool:
+    """Whether there is a file, also of a name that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def content(path: Path) -> bytes:
+    """All of a file; OSError where there is none, or it cannot be read."""
+    if not is_regular(path):
+        raise FileNotFoundError(ENOENT, "there is no such file", str(path))
+    return path.read_bytes()

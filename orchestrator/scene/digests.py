@@ -1,0 +1,26 @@
+"""Digests of the files that a scene is made of besides its own: whether they still are what they were."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from components.contract.regular import content
+
+from .bodies import body_files
+from .layers import files_besides
+from .schema import CheckedScene
+
+
+def digests(scene: CheckedScene) -> dict[str, str]:
+    """SHA-256 of the content of every such file by its path, empty where one cannot be read."""
+    named = [Path(path) for path in files_besides(dict(scene.tree))]
+    read = [path for body in scene.bodies for path in body_files(body)]
+    return {str(path): _digest(path) for path in dict.fromkeys((*named, *read))}
+
+
+def _digest(path: Path) -> str:
+    try:
+        return hashlib.sha256(content(path)).hexdigest()
+    except OSError:
+        return ""
