@@ -90,14 +90,14 @@ def _between_panels(axes: Any, scene: Path) -> None:
     line = np.array(views[now]["panel2"][0])
     _arc(axes, line, 0.8, 180.0, 180.0 + now, BLUE, "hinge angle", np.add(line, (-0.62, -0.62)))
     _arc(axes, line, 1.4, 180.0, 360.0, GREY, "aligned_angle\n= 180 deg", np.add(line, (0.75, -1.45)))
-    axes.text(0.75, 0.12, "panel1 (inboard)", ha="left")
+    axes.text(0.62, 0.12, "panel1 (inboard)", ha="left")
     axes.text(0.0, -0.33, "stowed: angle 0", ha="left")
     axes.text(*np.add(views[now]["panel2"][1], (-0.1, 0.05)), "panel2\n(outboard)", color=BLUE, ha="right")
     axes.text(3.45, 0.1, "deployed", color=GREEN, ha="center")
     _triad(axes, (0.1, 0.3), (1.0, 0.0), (0.0, 1.0), INK, 0.35)
     direction, normal = _directions(views[now]["panel2"])
     _triad(axes, line + 1.3 * direction, direction, normal, BLUE, 0.35)
-    _out_of_page(axes, line, 'axis = "-y"', np.add(line, (0.0, 0.2)))
+    _out_of_page(axes, line, 'axis = "-y"', np.add(line, (0.25, 0.32)))
     _frame(axes, (-0.2, 4.7), (-2.4, 1.4), "a line between two panels")
 
 

@@ -30,7 +30,8 @@ def drawing_program():
 
 DRAW = drawing_program()
 BLOCKS = {name: text for page in PAGES for name, text in DRAW.blocks(page).items()}
-SCENES = sorted(name for name in BLOCKS if name.endswith(".toml"))
+SCENES = sorted(name for name in BLOCKS if name.endswith(".toml") and "\nplugins" not in BLOCKS[name])
+"""Without those of plugins, which are programs that stay loaded."""
 
 
 @pytest.fixture(scope="module")
