@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from importlib import import_module
 from inspect import Parameter, getdoc, signature
 
 from components import LAGGED, REGISTRY, Component, Quantity
+from components.contract import component as contract
+from components.contract.connection import Connection
 from components.numerics.motion_law import MEANING, PROFILES
 
 from ...scene.keys.listing import KeyTable, key_tables
@@ -93,6 +96,8 @@ def components_page() -> str:
     lines = ["# Components and signals", "", _SIGNALS, ""]
     for kind, component in sorted(REGISTRY.items()):
         lines += _component(kind, component)
+    lines += ["## The contract of a component", "", "```text", (contract.__doc__ or "").strip(), "```", ""]
+    lines += ["Of a connection:", "", "```text", getdoc(Connection) or "", "```"]
     return "\n".join(lines) + "\n"
 
 
@@ -110,9 +115,8 @@ def _component(kind: str, component: type[Component]) -> Iterator[str]:
     yield f"(component-{kind.replace('_', '-')})="
     yield f"## `{kind}`"
     yield ""
-    for paragraph in (getdoc(component) or "").split("\n\n"):
-        yield " ".join(paragraph.split())
-        yield ""
+    yield from _prose(getdoc(component) or "")
+    yield from _prose((import_module(component.__module__).__doc__ or "").strip())
     ports = ", ".join(f"`{port.name}`" for port in example.ports)
     side = (
         "take motion and give a wrench"
@@ -135,6 +139,16 @@ def _component(kind: str, component: type[Component]) -> Iterator[str]:
             known = {quantity.name for quantity in quantities(example)}
             more = [quantity for quantity in quantities(other) if quantity.name not in known]
             yield from _titled(f"{title} of {words} besides", _SIGNAL, _rows(more))
+
+
+def _prose(docstring: str) -> Iterator[str]:
+    """A docstring as Markdown: paragraphs, and as it stands what is indented."""
+    for part in docstring.split("\n\n"):
+        lines = part.strip("\n").split("\n")
+        if all(line.startswith("    ") for line in lines):
+            yield from ("```text", *(line[4:] for line in lines), "```", "")
+        else:
+            yield from (" ".join(" ".join(lines).split()).replace("*", r"\*"), "")
 
 
 def _commands(component: Component) -> Sequence[Quantity]:
