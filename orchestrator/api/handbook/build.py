@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import re
 import shutil
+from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -27,7 +28,7 @@ _TOP = ("CONTRIBUTING", "CHANGELOG")
 _NEEDS = ("sphinx", "furo", "myst_parser", "sphinx_click", "sphinx_gallery")
 _GALLERY = "gallery"
 
-GENERATED = {
+GENERATED: dict[str, Callable[[], str]] = {
     "scene_keys": scene_page,
     "components": components_page,
     "command_line": lambda: _COMMAND_LINE,
@@ -100,12 +101,11 @@ def write_sources(source: Path, *, gallery: bool, measure: bool = True) -> None:
         shutil.copy(ROOT / f"{name}.md", source)
     for path in source.glob("*.md"):
         text = re.sub(r"\]\((?:\.\./|docs/)(\w+\.md)", r"](\1", path.read_text(encoding="utf-8"))
+        if measure and path.stem in MEASURED:
+            text += f"\n{MEASURED[path.stem]()}"
         path.write_text(text, encoding="utf-8")
     for name, page in GENERATED.items():
         (source / f"{name}.md").write_text(page(), encoding="utf-8")
-    for name, section in MEASURED.items() if measure else ():
-        with (source / f"{name}.md").open("a", encoding="utf-8") as text:
-            text.write(f"\n{section()}")
     if gallery:
         write_examples(ROOT / "examples", source / "examples")
     index = source / "index.md"

@@ -31,7 +31,7 @@ def docs(folder: str | Path | None = None, *, gallery: bool = True, rebuild: boo
     folder
         Where the pages are kept, by default next to the cache.
     gallery
-        Whether to run the examples too, which takes a minute or two.
+        Whether to run the examples too, which takes a minute.
     rebuild
         Whether to build in any case, so that times and numbers are measured again.
 

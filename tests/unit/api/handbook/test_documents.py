@@ -113,7 +113,7 @@ def test_every_source_is_listed():
 def test_a_wheel_has_the_documents():
     """Packaging: what is read from a checkout is put where an installed package looks for it."""
     project = tomllib.loads((build.ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    included = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
+    included = project["tool"]["hatch"]["build"]["targets"]["wheel"]["hooks"]["custom"]["documents"]
     target = build._PACKAGED.relative_to(build.ROOT).as_posix()
     names = ("docs", "examples", *(f"{name}.md" for name in build._TOP))
     assert included == {name: f"{target}/{name}" for name in names}
