@@ -70,7 +70,7 @@ def build(target: Path, gallery: bool) -> None:
     target
         Folder of the HTML pages.
     gallery
-        Whether to run the examples too, which takes some minutes.
+        Whether to run the examples too, which takes a minute.
 
     Raises
     ------
