@@ -1,4 +1,14 @@
-"""Rigid and modal bodies: one component, because a rigid body is a modal body without modes.
+r"""Rigid and modal bodies: one component, because a rigid body is a modal body without modes.
+
+$$ \ddot{\eta}{}_j + 2 \zeta_j \omega_j \dot{\eta}{}_j + \omega_j^2 \eta_j = Q_j(t),\qquad \mathbf r =
+\mathbf r_c + \mathbf R\,(\mathbf X + \boldsymbol\Phi\, \boldsymbol\eta) $$
+
+$$ \dot{\mathbf p} = \sum_k \mathbf F_k + m \mathbf g,\qquad \dot{\mathbf L} = \sum_k (\mathbf r_k \times
+\mathbf F_k + \mathbf T_k) + \mathbf r_c \times m \mathbf g $$
+
+with modal coordinates $\eta_j$, their forces $Q_j$ from loads and from rates of the frame, momenta $\mathbf p$ and
+$\mathbf L$ (about the world origin), wrenches $\mathbf F_k, \mathbf T_k$ at the ports, and the centre of mass at
+$\mathbf r_c$.
 
 A floating frame in the centre of mass plus orthonormalised Craig-Bampton modes with the rigid modes
 removed, so that linear momentum decouples and the frame is the mean-axis frame (Bagnoli 2007, section 1.3,

@@ -1,5 +1,7 @@
 """Fanfold from Python: deployable space structures as co-simulations of FMI components.
 
+A run::
+
     import orchestrator as fanfold
 
     result = fanfold.simulate("amos3", rigid="all")

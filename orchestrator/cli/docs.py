@@ -16,7 +16,9 @@ from .types import OutputFile
 
 @click.command("docs")
 @click.option(
-    "--browser/--no-browser", default=True, help="Whether the first page is opened, or its path only told."
+    "--browser/--no-browser",
+    default=True,
+    help="Whether a browser opens the first page; its path is printed.",
 )
 @click.option(
     "-o",
@@ -24,18 +26,18 @@ from .types import OutputFile
     "--output",
     "out",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder of the pages; by default beside the cache.",
+    help="Folder of the pages; by default next to the cache.",
 )
 @click.option(
-    "--gallery/--no-gallery", default=True, help="Whether examples are run too, which takes a minute or two."
+    "--gallery/--no-gallery", default=True, help="Whether the examples run too, which takes a minute."
 )
-@click.option("--rebuild", is_flag=True, help="Build what is there too, such as to measure on this machine.")
+@click.option("--rebuild", is_flag=True, help="Build again, and measure on this machine again.")
 @click.option(
     "--json-schema", "schema", type=OutputFile(),
     help="Write the JSON schema of scene files, for editors, and nothing else.",
 )  # fmt: skip
 def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schema: Path | None) -> None:
-    """Open the documents, which are built (extra docs) where they are not there."""
+    """Open the documents as HTML; the first time builds them, which needs the extra docs."""
     if schema is not None:
         text = json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False)
         schema.write_text(f"{text}\n", encoding="utf-8")

@@ -1,1 +1,1 @@
-"""The documents: pages that people wrote in `pages`, and what is generated beside them from the declarations."""
+"""The documents as HTML: the pages of `docs`, references from the declarations, and a gallery of the examples."""

@@ -24,21 +24,38 @@ def json_schema() -> dict[str, Any]:
 
 
 def docs(folder: str | Path | None = None, *, gallery: bool = True, rebuild: bool = False) -> Path:
-    """The first page of the documents, which are built where they are not there or are of other sources.
+    """Build the documents if they are not there or are of other sources.
 
-    folder: where they are kept, by default beside the cache. gallery: run the examples too, which takes a minute or
-    two. rebuild: build them in any case, so that times and numbers are measured anew. Building needs the extra `docs`;
-    FanfoldError says so.
+    Parameters
+    ----------
+    folder
+        Where the pages are kept, by default next to the cache.
+    gallery
+        Whether to run the examples too, which takes a minute.
+    rebuild
+        Whether to build in any case, so that times and numbers are measured again.
+
+    Returns
+    -------
+    Path
+        The first page.
+
+    Raises
+    ------
+    FanfoldError
+        If the extra `docs` is missing, or there is no folder for the pages.
     """
-    from .build import build
+    from .build import ROOT, build
 
     target = _folder() if folder is None else Path(folder)
-    stamp = f"{_digest()} {'with' if gallery else 'without'} gallery"
-    known = target / _STAMP
-    is_built = (target / _INDEX).is_file() and known.is_file() and known.read_text(encoding="utf-8") == stamp
+    stamp = f"{_digest(ROOT)} {'with' if gallery else 'without'} gallery"
+    stamped = target / _STAMP
+    is_built = (
+        (target / _INDEX).is_file() and stamped.is_file() and stamped.read_text(encoding="utf-8") == stamp
+    )
     if rebuild or not is_built:
         build(target, gallery)
-        known.write_text(stamp, encoding="utf-8")
+        stamped.write_text(stamp, encoding="utf-8")
     return target / _INDEX
 
 
@@ -49,12 +66,12 @@ def _folder() -> Path:
     return place / "documents"
 
 
-def _digest() -> str:
+def _digest(documents: Path) -> str:
     """Of everything that the documents are made from."""
-    root = Path(__file__).parents[3]
+    packages = [Path(__file__).parents[3] / name for name in _PACKAGES]
     content = hashlib.sha256()
-    for package in _PACKAGES:
-        for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".md", ".toml"):
+    for folder in (*packages, documents / "docs", documents / "examples"):
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in (".py", ".md", ".toml", ".svg"):
                 content.update(path.read_bytes())
     return content.hexdigest()
