@@ -32,6 +32,7 @@ from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
 from .fidelities import choose_fidelity
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
+from .second_order import with_second_order
 from .signal_fmus import signal_fmus
 from .start_values import with_port_starts
 
@@ -57,10 +58,11 @@ def assemble(
         and large_deformation is not None
         and body.name not in held
     }
+    modal = {name: bends and name not in beams for name, bends in is_flexible.items()}
     models = {
-        body.name: _model(scene, body, is_flexible[body.name])
-        for body in scene.bodies
-        if body.name not in beams
+        name: _model(scene, body, modal[name])
+        for name, body in _with_second_order(scene, modal).items()
+        if name not in beams
     }
     poses = start_poses(scene, scene_points(scene))
     parts_of_bodies, links, geometry = _placed_parts(scene, models, beams, poses)
@@ -165,6 +167,13 @@ def _refuse_out_of_range(scene: CheckedScene, parts: Sequence[Part]) -> None:
             problems.append(f"{scene.file}: {part.name}: {error}")
     if problems:
         raise SceneError(problems)
+
+
+def _with_second_order(scene: CheckedScene, modal: Mapping[str, bool]) -> Mapping[str, Body]:
+    try:
+        return with_second_order(scene, modal)
+    except ComponentError as error:
+        raise SceneError([f"{scene.file}: {error}"]) from None
 
 
 def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
