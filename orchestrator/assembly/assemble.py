@@ -61,7 +61,7 @@ def assemble(
     modal = {name: bends and name not in beams for name, bends in is_flexible.items()}
     models = {
         name: _model(scene, body, modal[name])
-        for name, body in _with_second_order(scene, modal).items()
+        for name, body in with_second_order(scene, modal).items()
         if name not in beams
     }
     poses = start_poses(scene, scene_points(scene))
@@ -167,13 +167,6 @@ def _refuse_out_of_range(scene: CheckedScene, parts: Sequence[Part]) -> None:
             problems.append(f"{scene.file}: {part.name}: {error}")
     if problems:
         raise SceneError(problems)
-
-
-def _with_second_order(scene: CheckedScene, modal: Mapping[str, bool]) -> Mapping[str, Body]:
-    try:
-        return with_second_order(scene, modal)
-    except ComponentError as error:
-        raise SceneError([f"{scene.file}: {error}"]) from None
 
 
 def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:

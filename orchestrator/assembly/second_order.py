@@ -9,7 +9,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from components.contract.component import Vector
+from components.contract.component import ComponentError, Vector
 from components.flexible.modal import ModalData
 from components.load import Load
 
@@ -18,6 +18,7 @@ from ..scene.body_tables import Body
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.coupled_lines import strands
 from ..scene.schema import CheckedScene
+from ..scene.table import SceneError
 from . import Part
 from .driving import load_laws
 
@@ -31,13 +32,15 @@ def with_second_order(scene: CheckedScene, bending: Mapping[str, bool]) -> dict[
 
     bending: whether each body has modes in the run; others keep what the scene says.
     """
-    spin = fastest_turn(scene)
-    return {
-        body.name: body.model_copy(update={"second_order_modes": _chosen(scene, body, spin)})
-        if bending[body.name] and body.second_order_modes is None and supplies_second_order(body)
-        else body
-        for body in scene.bodies
-    }
+    spin, bodies = fastest_turn(scene), {body.name: body for body in scene.bodies}
+    for name, body in bodies.items():
+        if bending[name] and body.second_order_modes is None and supplies_second_order(body):
+            try:
+                count = _chosen(scene, body, spin)
+            except ComponentError as error:
+                raise SceneError([f"{scene.file}: body.{name}: {error}"]) from None
+            bodies[name] = body.model_copy(update={"second_order_modes": count})
+    return bodies
 
 
 def supplies_second_order(body: Body) -> bool:
@@ -85,7 +88,8 @@ class Way(NamedTuple):
 
     def euler(self, kept: int = 0) -> float:
         """The load (N) that makes modes from a number on bend out."""
-        return 1.0 / max(np.linalg.eigvalsh(self.taken[kept:, kept:]).max(initial=0.0), np.finfo(float).tiny)
+        most = float(np.linalg.eigvalsh(self.taken[kept:, kept:]).max(initial=0.0))
+        return 1.0 / max(most, float(np.finfo(float).tiny))
 
 
 def ways_through(data: ModalData, joints: Sequence[Sequence[str]]) -> list[Way]:
