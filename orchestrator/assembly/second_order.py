@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from math import sqrt
 from typing import NamedTuple, Self
 
 import numpy as np
+from scipy.linalg import block_diag, eigh, null_space
 
 from components.contract.component import ComponentError, Vector
-from components.flexible.modal import ModalData
+from components.flexible.modal import ModalData, rigid_motion
 from components.load import Load
 
 from ..scene.bodies import attachments, body_definition, body_model, motions
@@ -54,10 +55,11 @@ def supplies_second_order(body: Body) -> bool:
 
 def _chosen(scene: CheckedScene, body: Body, spin: float) -> int:
     """Modes from the lowest up to the last one that loads change; all where the body spins (rad/s)."""
-    modes = _unfiltered(body).frequency
-    if modes.size and spin**2 > FELT * modes.min() ** 2:
-        return int(modes.size)
+    data = _unfiltered(body)
+    modes = data.frequency
     load, joints = AxialLoad.of(scene, body), joint_places(scene, body)
+    if spin and spin**2 > FELT * held_frequency(data, [point for joint in joints for point in joint]) ** 2:
+        return int(modes.size)
     if not joints or not any(load):
         return 0
     ways = ways_through(_unfiltered(body, modes.size), joints)
@@ -181,6 +183,24 @@ def _loads(scene: CheckedScene) -> float:
     times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
     laws = [load_laws(one)[0] for one in scene.connections if one.kind == Load.kind]
     return sum(max(abs(law.value(time)) for time in times) for law in laws)
+
+
+def held_frequency(data: ModalData, points: Iterable[str]) -> float:
+    """Lowest frequency (rad/s) of a body clamped at one of these points, infinite without points or modes.
+
+    A spin is slow or fast relative to it: clamped at an end a beam vibrates six times slower than free.
+    """
+    found, count = np.inf, data.frequency.size
+    mass = block_diag(data.mass * np.eye(3), data.inertia, np.eye(count))
+    stiffness = np.diag(np.concatenate((np.zeros(6), data.frequency**2)))
+    for point in sorted(set(points)) if count else ():
+        at = data.point_names.index(point)
+        rigid = rigid_motion(data.point_positions[at] - data.center_of_mass)
+        free = null_space(np.hstack((rigid, np.vstack((data.translation[at], data.rotation[at])))))
+        if free.size:
+            lowest = eigh(free.T @ stiffness @ free, free.T @ mass @ free, eigvals_only=True)[0]
+            found = min(found, float(np.sqrt(max(lowest, 0.0))))
+    return float(found)
 
 
 def second_order_modes(part: Part) -> int:

@@ -6,9 +6,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from components.flexible.modal import ModalData
+
 from ..scene.schema import CheckedScene
 from . import Assembly
-from .second_order import FELT, fastest_turn, second_order_modes
+from .second_order import FELT, fastest_turn, held_frequency, second_order_modes
 
 
 def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
@@ -28,12 +30,15 @@ def unstiffened_rates(assembly: Assembly, rates: Mapping[str, float], how: str =
         if part.name not in assembly.flexible:
             continue
         modal, rate = part.structure["modal"], rates.get(part.name, 0.0)
-        frequencies, second = np.asarray(modal["frequency"]), second_order_modes(part)
-        if second == frequencies.size or np.size(modal["tension_forms"]):
+        modes, second = np.size(modal["frequency"]), second_order_modes(part)
+        if not rate or second == modes or np.size(modal["tension_forms"]):
             continue
-        if rate**2 > FELT * frequencies.min() ** 2:
+        first = held_frequency(
+            ModalData.from_arrays(modal), [port["point"] for port in part.structure["ports"]]
+        )
+        if rate**2 > FELT * first**2:
             yield (
-                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, its first free mode is at "
-                f"{frequencies.min():.3g} rad/s, and tension does not stiffen the {frequencies.size - second} of its "
-                f"{frequencies.size} modes that are of first order. Leave its second_order_modes out, or count all"
+                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, its first mode clamped at a joint is at "
+                f"{first:.3g} rad/s, and tension does not stiffen {modes - second} of its {modes} modes, which are of "
+                "first order. Leave its second_order_modes out, or count all"
             )
