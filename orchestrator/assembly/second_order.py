@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from math import sqrt
 from typing import NamedTuple, Self
@@ -58,7 +58,7 @@ def _chosen(scene: CheckedScene, body: Body, spin: float) -> int:
     data = _unfiltered(body)
     modes = data.frequency
     load, joints = AxialLoad.of(scene, body), joint_places(scene, body)
-    if spin and spin**2 > FELT * held_frequency(data, [point for joint in joints for point in joint]) ** 2:
+    if spin and spin**2 > FELT * held_frequency(data, joints) ** 2:
         return int(modes.size)
     if not joints or not any(load):
         return 0
@@ -185,18 +185,19 @@ def _loads(scene: CheckedScene) -> float:
     return sum(max(abs(law.value(time)) for time in times) for law in laws)
 
 
-def held_frequency(data: ModalData, points: Iterable[str]) -> float:
-    """Lowest frequency (rad/s) of a body clamped at one of these points, infinite without points or modes.
+def held_frequency(data: ModalData, joints: Sequence[Sequence[str]]) -> float:
+    """Lowest frequency (rad/s) of a body clamped at the points of one of its joints, infinite without joints or modes.
 
     A spin is slow or fast relative to it: clamped at an end a beam vibrates six times slower than free.
     """
     found, count = np.inf, data.frequency.size
     mass = block_diag(data.mass * np.eye(3), data.inertia, np.eye(count))
     stiffness = np.diag(np.concatenate((np.zeros(6), data.frequency**2)))
-    for point in sorted(set(points)) if count else ():
-        at = data.point_names.index(point)
-        rigid = rigid_motion(data.point_positions[at] - data.center_of_mass)
-        free = null_space(np.hstack((rigid, np.vstack((data.translation[at], data.rotation[at])))))
+    for joint in joints if count else ():
+        places = [data.point_names.index(point) for point in joint]
+        rigid = np.vstack([rigid_motion(data.point_positions[at] - data.center_of_mass) for at in places])
+        modal = np.vstack([part[at] for at in places for part in (data.translation, data.rotation)])
+        free = null_space(np.hstack((rigid, modal)))
         if free.size:
             lowest = eigh(free.T @ stiffness @ free, free.T @ mass @ free, eigvals_only=True)[0]
             found = min(found, float(np.sqrt(max(lowest, 0.0))))

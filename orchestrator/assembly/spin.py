@@ -18,14 +18,19 @@ def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | No
 
     until: s; by default the end of the scene.
     """
-    yield from unstiffened_rates(assembly, dict.fromkeys(assembly.flexible, fastest_turn(scene, until)))
+    yield from unstiffened_rates(
+        scene, assembly, dict.fromkeys(assembly.flexible, fastest_turn(scene, until))
+    )
 
 
-def unstiffened_rates(assembly: Assembly, rates: Mapping[str, float], how: str = "up to") -> Iterator[str]:
+def unstiffened_rates(
+    scene: CheckedScene, assembly: Assembly, rates: Mapping[str, float], how: str = "up to"
+) -> Iterator[str]:
     """A sentence for each flexible body with modes of first order that spins so fast.
 
     rates: of bodies by name, rad/s. how: what these are.
     """
+    bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
         if part.name not in assembly.flexible:
             continue

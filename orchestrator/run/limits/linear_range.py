@@ -53,7 +53,7 @@ def linear_range_messages(scene: CheckedScene, assembly: Assembly, result: Resul
     yield from coded("W-large-rotation", _turned_bodies(scene, assembly, result))
     if not any(unstiffened_spins(scene, assembly)):  # which warn before the run
         rates = {name: _mean_rate(result, name) for name in assembly.flexible}
-        yield from coded("W-spin", unstiffened_rates(assembly, rates, "a mean of"))
+        yield from coded("W-spin", unstiffened_rates(scene, assembly, rates, "a mean of"))
 
 
 def _mean_rate(result: Result, body: str) -> float:
