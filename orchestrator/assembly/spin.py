@@ -10,7 +10,7 @@ from components.flexible.modal import ModalData
 
 from ..scene.schema import CheckedScene
 from . import Assembly
-from .second_order import FELT, fastest_turn, held_frequency, second_order_modes
+from .second_order import FELT, fastest_turn, held_frequency, joint_places, second_order_modes
 
 
 def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
@@ -38,9 +38,7 @@ def unstiffened_rates(
         modes, second = np.size(modal["frequency"]), second_order_modes(part)
         if not rate or second == modes or np.size(modal["tension_forms"]):
             continue
-        first = held_frequency(
-            ModalData.from_arrays(modal), [port["point"] for port in part.structure["ports"]]
-        )
+        first = held_frequency(ModalData.from_arrays(modal), joint_places(scene, bodies[part.name]))
         if rate**2 > FELT * first**2:
             yield (
                 f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, its first mode clamped at a joint is at "
