@@ -95,8 +95,13 @@ class Way(NamedTuple):
 
 
 def ways_through(data: ModalData, joints: Sequence[Sequence[str]]) -> list[Way]:
-    """Between every two joints, each by the points of the body that it holds; a single one presses its inertia."""
+    """Between every two joints, each by the points of the body that it holds; a single one presses its inertia.
+
+    None of imported bodies, of which strains to second order are not known.
+    """
     low = data.second_order_modes
+    if not low:
+        return []
     stiffness = np.outer(data.frequency[:low], data.frequency[:low])
     places = [[data.point_names.index(point) for point in joint] for joint in joints]
     ends = [(data.point_positions[at].mean(0), data.second_order_points[at, :3].mean(0)) for at in places]
