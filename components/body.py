@@ -42,7 +42,7 @@ from .body_parts.interface import Interface, interface_data
 from .body_parts.load import Load
 from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
-from .body_parts.second_order import ModalPath, correct_step, settled, static_deflection
+from .body_parts.second_order import ModalPath, change_of, correct_step, settled, static_deflection
 from .body_parts.tension import TensionForms, own_tension
 from .body_parts.turn import (
     MAX_ITERATIONS,
@@ -297,6 +297,7 @@ class Body(Component):
         omega, end, eta1, rate_mean = start, start, eta0, pi0 - start @ before.b
         own, modal_moment = own_tension(self.tension, eta0), np.zeros(self.modes)
         _, moment_slope = load.moments(world_arms, world_arms)
+        deflection = 0.0
         for _ in range(MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
@@ -323,7 +324,8 @@ class Body(Component):
             ending = Ending(full_matrix(after.inertia), spin, arms, moment_slope @ a_mid, a1)
             change = newton_turn(ending, load, omega, missing, h)
             omega = omega + change
-            deflected = not self.data.second_order_modes or settled(eta0, last, eta1)
+            earlier, deflection = deflection, change_of(eta0, last, eta1)
+            deflected = not self.data.second_order_modes or settled(deflection, earlier)
             if deflected and is_found(change, h):
                 break
         else:

@@ -130,8 +130,8 @@ class Body(Table):
     """Its model unless the run says otherwise: flexible where it can bend, else rigid."""
     fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
     """Vibration modes kept with all attachment points held, beside six shapes a point."""
-    second_order_modes: Annotated[int, Field(ge=0)] = 0
-    """So many of the lowest modes shorten what they bend, so that spin and loads stiffen it."""
+    second_order_modes: Annotated[int, Field(ge=0)] | None = None
+    """So many of the lowest modes shorten what they bend; by default those that spin or axial loads change."""
     inertia_coupling: CouplingLevel = "full"
     """How much of the change of inertia by deformation is kept."""
     damping_ratio: Annotated[Ratio, Field(le=1.0)] | None = None
