@@ -88,7 +88,7 @@ def _examples() -> Path:
 
 def _settings(source: Path) -> dict[str, Any]:
     """Sphinx's configuration, which has no file of its own."""
-    extensions = ["myst_parser", "sphinx.ext.autodoc", f"{__package__}.mathml"]
+    extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", f"{__package__}.mathml"]
     settings: dict[str, Any] = {
         "project": "Fanfold",
         "version": version("fanfold"),
@@ -101,6 +101,7 @@ def _settings(source: Path) -> dict[str, Any]:
         "default_role": "code",
         "autodoc_typehints": "none",
         "autodoc_member_order": "bysource",
+        "napoleon_use_ivar": True,
         "myst_heading_anchors": 3,
         "myst_enable_extensions": ["dollarmath", "deflist"],
         "exclude_patterns": ["examples/**"],
