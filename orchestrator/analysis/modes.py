@@ -31,6 +31,7 @@ from ..assembly.statics.linear_model import (
     spinning_modes,
 )
 from ..assembly.statics.steady_spin import spin_at_start
+from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.damping import StructuralDamping
 from .vibration import DIRECTIONS
@@ -81,6 +82,7 @@ class Mode(NamedTuple):
         }
 
 
+@short_repr
 @dataclass(frozen=True)
 class Modes:
     """Normal modes of a scene in a configuration.

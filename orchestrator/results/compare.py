@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
+from ..records import short_repr
 from .crests import Peak
 from .energy_ledger import tolerance_asked
 from .estimated_errors import POINT_PEAKS
@@ -79,6 +80,7 @@ class Compared:
         return {"id": self.id, **asdict(self), "ratio": self.ratio, "shift": self.shift}
 
 
+@short_repr
 @dataclass(frozen=True)
 class Comparison:
     """All that two results can be compared in, and the signals ("component.variable") that only one has."""

@@ -15,6 +15,7 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
 from ..messages import is_note, message
+from ..records import short_repr
 from .crests import Peak
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import (
@@ -90,6 +91,7 @@ UNLATCHED = "angle, not latched"
 """Headline number of a line with a latch that has not latched."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.

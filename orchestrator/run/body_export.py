@@ -11,6 +11,7 @@ import tomli_w
 
 from components import ComponentError
 
+from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.bodies import body_definition
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 ENDINGS = (".npz", ".op4", ".asm")
 
 
+@short_repr
 @dataclass(frozen=True)
 class ExportedBody:
     """A file, the numbers of nodes in it by point, and how many fixed-interface modes it has."""

@@ -23,6 +23,7 @@ from components.contract.component import Vector
 
 from ...assembly import Assembly
 from ...cosim.sensitivity.solvers import AstrayError
+from ...records import short_repr
 from ...results.key_figures import Number, headline
 from ...results.result import Result
 from ...results.round_off import noise_floor
@@ -52,6 +53,7 @@ _DOUBTFUL = 0.1
 """Of a gradient: an estimated error beyond which it is told of."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Gradients:
     """What a scene's headline numbers do when its keys change, each by a little.

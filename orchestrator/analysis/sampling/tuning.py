@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 from components import FanfoldError
 from components.contract.component import Vector
 
+from ...records import short_repr
 from ...scene.units import UNITS
 from .distributions import StudyError
 from .gradients import gradients
@@ -56,6 +57,7 @@ class Reached:
     wanted: float
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Tuned:
     """What a search found. values, start: of what was varied, by its name, in the unit of its range.
