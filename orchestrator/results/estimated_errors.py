@@ -20,9 +20,9 @@ MOST_TOLERANCES = 10.0
 _NOTABLE = 0.01
 """Error of a number, relative to what it is judged by, from which on a run warns: it changes the second digit."""
 _LOADS = ("interface force peak", "interface torque peak")
-TORQUE_PEAKS = ("port torque peak", "hinge torque peak")
+TORQUE_PEAKS = ("attachment torque peak", "hinge torque peak")
 """Of single hinges, with the torque about their line."""
-POINT_PEAKS = ("port force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
+POINT_PEAKS = ("attachment force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
 """Headline numbers of the loads at single points: ports of the base, hinges between other bodies."""
 _PER_JOULE = 100.0
 """N or N.m, of which no more is round-off's yardstick for each joule that a scene exchanges."""
@@ -30,7 +30,7 @@ _ADDED_UP = 10.0
 """Times which round-off of one joint is that of a scene."""
 OF_STOPS = "stop torque peak"
 """Judged beside the stop that is struck the hardest."""
-OF_CONTACTS = "contact force highest"
+OF_CONTACTS = "contact force max"
 """Judged beside the contact that is pressed the hardest."""
 OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
 _OF_VECTOR = 0.1
@@ -43,7 +43,6 @@ _AMONG = {
     **dict.fromkeys(POINT_PEAKS[2:], "the largest of all hinges"),
 }
 """What is judged beside the largest of its kind, and that in words."""
-_SAID = {OF_CONTACTS: "highest contact force"}
 SIZING = (*OF_LATCHES, OF_STOPS)
 """Quantities that size hinges."""
 PROMISED = (*SIZING, OF_CONTACTS, *_LOADS)
@@ -178,7 +177,7 @@ def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
         members = [one for like, one in shares if like == quantity]
         if of == members[0]:
             most = max(shares[quantity, one] for one in members)
-            yield f"{_SAID.get(quantity, quantity)} of {', '.join(members)}", most, whole
+            yield f"{quantity} of {', '.join(members)}", most, whole
 
 
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
@@ -215,7 +214,7 @@ def least_sure(
     """In words the number with the largest error of promised quantities, and both its errors over its size."""
     shares = _shares(numbers, errors, quantities)
     quantity, of = max(shares, key=lambda key: float(getattr(shares[key], by)))
-    return f"{_SAID.get(quantity, quantity)} of {of}", shares[quantity, of]
+    return f"{quantity} of {of}", shares[quantity, of]
 
 
 def _shares(

@@ -27,7 +27,7 @@ from .estimated_errors import (
     tabulated_errors,
     unknown_errors,
 )
-from .identifiers import identifier
+from .identifiers import identifier, load_words
 from .latch_impulse import latch_impulses
 from .latch_rate import latch_energies, latch_rates
 from .line_travel import (
@@ -74,7 +74,7 @@ class Number(NamedTuple):
 
     @property
     def key(self) -> Key:
-        """What tells it from all others."""
+        """Unique key of the number."""
         return self.quantity, self.of
 
     @property
@@ -87,7 +87,7 @@ class Number(NamedTuple):
         return {"value": self.value, "unit": self.unit, "estimated_error": self.error}
 
 
-UNLATCHED = "angle, not latched"
+UNLATCHED = "final angle, not latched"
 """Headline number of a line with a latch that has not latched."""
 
 
@@ -255,12 +255,12 @@ class Headline:
         yield from self._numbers_of_lines()
         yield from self._numbers_of_base()
         yield from self._numbers_of_loads()
-        yield Number("motor energy", "", self.motor_energy, "J")
+        yield Number("motor work", "", self.motor_energy, "J")
         if self.supplied_energy:
-            yield Number("energy put in", "", self.supplied_energy, "J")
+            yield Number("external work", "", self.supplied_energy, "J")
         if self.energy_residual is not None:
             yield Number("energy exchanged", "", self.energy_exchanged, "J")
-            yield Number("numerical dissipation", "", self.numerical_dissipation, "J")
+            yield Number("numerical energy loss", "", self.numerical_dissipation, "J")
             yield Number("energy residual", "", self.energy_residual, "1")
 
     def _numbers_of_lines(self) -> Iterator[Number]:
@@ -275,7 +275,7 @@ class Headline:
         for line, passed in self.overruns.items():
             yield Number("largest angle, no latch", line, passed.largest, "rad")
         for line, short in self.short_of_deployed.items():
-            yield Number("angle at the end, no latch", line, short.last, "rad")
+            yield Number("final angle, no latch", line, short.last, "rad")
         for line, impulse in self.latch_impulses.items():
             yield Number("latch impulse", line, impulse, "N.m.s")
         for line, torque in self.latch_torque_peaks.items():
@@ -285,7 +285,7 @@ class Headline:
     def _numbers_of_base(self) -> Iterator[Number]:
         vectors = (
             ("attitude peak", self.attitude_peaks, "rad"),
-            ("attitude at the end", self.attitude_at_end, "rad"),
+            ("final attitude", self.attitude_at_end, "rad"),
             ("attitude rate peak", self.attitude_rate_peaks, "rad/s"),
             ("interface force peak", self.interface_force_peaks, "N"),
             ("interface torque peak", self.interface_torque_peaks, "N.m"),
@@ -308,8 +308,8 @@ class Headline:
         yield from self.torque_numbers()
         for name, forces in self.force_extremes.items():
             for variable, (low, high) in forces.items():
-                yield Number(f"{variable.replace('_', ' ')} lowest", name, low, "N")
-                yield Number(highest_of(variable), name, high, "N")
+                yield Number(min_of(variable), name, low, "N")
+                yield Number(max_of(variable), name, high, "N")
 
 
 def headline(result: Result) -> Headline:
@@ -353,8 +353,8 @@ def headline(result: Result) -> Headline:
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
         base_load_peaks={unit: _magnitude_peak(result, INTERFACE_LOAD, unit) for unit in ("N", "N.m")},
-        port_force_peaks=at_points["port force peak"],
-        port_torque_peaks=at_points["port torque peak"],
+        port_force_peaks=at_points["attachment force peak"],
+        port_torque_peaks=at_points["attachment torque peak"],
         hinge_force_peaks=at_points["hinge force peak"],
         hinge_torque_peaks=at_points["hinge torque peak"],
         attitude_peaks=_component_peaks(result, ATTITUDE, "rad"),
@@ -416,11 +416,11 @@ def _missing(
 _OF_THE_RUN = {
     "interface force magnitude peak": "magnitude",
     "interface torque magnitude peak": "magnitude",
-    "energy put in": "but by motors, up to the end",
-    "numerical dissipation": "up to the end",
+    "external work": "loads and motion laws, whole run",
+    "numerical energy loss": "whole run",
     "energy residual": "relative to energy exchanged",
 }
-"""What tables say of numbers that are of the whole run."""
+"""Column "of" for numbers of the whole run."""
 
 
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
@@ -430,18 +430,18 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
     """
     floors = round_off_floors(found)
     absent = {
-        (f"{variable.replace('_', ' ')} {extreme}", name)
+        (extreme(variable), name)
         for name, forces in found.force_extremes.items()
         for variable, (low, high) in forces.items()
-        for extreme in ("lowest", "highest")
+        for extreme in (min_of, max_of)
         if max(abs(low), abs(high)) <= floors[name]
     }
     for number in found.numbers():
         of, floor = number.of, floors.get(number.quantity, floors.get(number.of, 0.0))
         if (number.quantity, of) in absent or (number.quantity in POINT_PEAKS and number.value <= floor):
             continue
-        if number.quantity == "motor energy":
-            of = "up to the last latch-up" if found.latch_times else "over the run"
+        if number.quantity == "motor work":
+            of = "until last latch-up" if found.latch_times else "whole run"
         of = _OF_THE_RUN.get(number.quantity, of)
         unit, size = shown(number.unit)
         digits = ".6f" if unit == "s" else ".5g"
@@ -464,7 +464,7 @@ def round_off_floors(found: Headline) -> dict[str, float]:
         "interface torque peak": torques,
         "interface torque magnitude peak": torques,
         "attitude peak": noise_floor(found.attitude_peaks),
-        "attitude at the end": noise_floor(found.attitude_peaks),
+        "final attitude": noise_floor(found.attitude_peaks),
         "attitude rate peak": noise_floor(found.attitude_rate_peaks),
         **{quantity: floor(peaks.values()) for quantity, peaks in _point_peaks(found)},
         **{
@@ -486,7 +486,7 @@ def latch_times(result: Result) -> dict[str, float]:
 
 
 def is_latch_up(text: str) -> bool:
-    """Whether the text of an event tells of a latch-up."""
+    """Whether the text of an event reports a latch-up."""
     return "latch" in text.lower() and "unlatch" not in text.lower()
 
 
@@ -536,13 +536,18 @@ def _point_peaks(found: Headline) -> Iterator[tuple[str, Mapping[str, float]]]:
 
 
 def peak_of(load: str) -> str:
-    """What the headline calls the peak of a load."""
-    return f"{load.replace('_', ' ')} peak"
+    """Quantity of the peak magnitude of a load."""
+    return f"{load_words(load)} peak"
 
 
-def highest_of(load: str) -> str:
-    """What the headline calls the highest value of a force."""
-    return f"{load.replace('_', ' ')} highest"
+def min_of(load: str) -> str:
+    """Quantity of the minimum of a force."""
+    return f"{load_words(load)} min"
+
+
+def max_of(load: str) -> str:
+    """Quantity of the maximum of a force."""
+    return f"{load_words(load)} max"
 
 
 def loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:

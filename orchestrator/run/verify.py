@@ -17,7 +17,7 @@ from ..cosim.settings import Settings
 from ..results.key_figures import Number
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_NOT_EXTRAPOLATED = ("end time", "energy exchanged", "numerical dissipation", "energy residual")
+_NOT_EXTRAPOLATED = ("end time", "energy exchanged", "numerical energy loss", "energy residual")
 """What is a choice, or has no limit but nothing."""
 
 

@@ -43,7 +43,7 @@ _SMALLER = (1.0, 0.1, 0.01)
 """Of these parts, one after the other, where neighbours cannot follow: an event comes within a tiny step of the run."""
 _OF_ZERO = 1.0
 """In its unit: what a key of zero is taken for, as it has no part."""
-_NO_NUMBERS = ("end time", "energy residual", "numerical dissipation")
+_NO_NUMBERS = ("end time", "energy residual", "numerical energy loss")
 _LOADS = ("N", "N.m")
 _MOVED = 1e-12
 """Of a number, beside its like: changes below it are rounding, of what no key moves."""

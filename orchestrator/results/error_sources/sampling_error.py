@@ -19,7 +19,7 @@ from components.contract.roles import INTERFACE_LOAD
 
 from ...assembly import HingeLine
 from ..estimated_errors import OF_CONTACTS, OF_STOPS, EstimatedError, Key
-from ..key_figures import highest_of, latch_times, line_latch_torque, loads, peak_of
+from ..key_figures import latch_times, line_latch_torque, loads, max_of, peak_of
 from ..latch_impulse import latch_impulse
 from ..peaks import extremes, jumps
 from ..point_loads import point_loads
@@ -144,7 +144,7 @@ def judged_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
         if peak_of(label) == OF_STOPS:
             yield (OF_STOPS, component), torque
     for component, label, force in loads(result, "N"):
-        if highest_of(label) == OF_CONTACTS:
+        if max_of(label) == OF_CONTACTS:
             yield (OF_CONTACTS, component), force
     yield from point_loads(result)
 

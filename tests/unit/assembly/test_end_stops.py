@@ -164,7 +164,7 @@ def test_a_line_that_nothing_ends_and_that_stays_short_is_told(motor):
     assert all(
         one.startswith("HL has not come to its deployed angle of 90 deg: it went") for one in sentences
     )
-    (stands,) = (number for number in found.numbers() if number.quantity == "angle at the end, no latch")
+    (stands,) = (number for number in found.numbers() if number.quantity == "final angle, no latch")
     assert (stands.of, stands.value) == ("HL", found.short_of_deployed["HL"].last)
 
 
