@@ -538,8 +538,8 @@ def _tell_of_locks(line: HingeLine) -> None:
         warn(
             message(
                 "W-latch-curve",
-                f"hinge_line.{line.name}: its latch is kinematic, so a stiffness has no effect; set latch.kind to "
-                "spring or by_fidelity to use the result",
+                f"hinge_line.{line.name}: its latch is kinematic, so a stiffness has no effect. Set latch.kind to "
+                "spring or by_fidelity to use the result.",
             )
         )
 

@@ -131,8 +131,8 @@ def _as_ssp(ssp: Path, assembly: Assembly, paths: Sequence[Path], experiment: Ex
         warn(
             message(
                 "W-export",
-                f"{assembly.name}: its scene goes along in {ssp.name}, but not the files that it is made of besides, "
-                f"which `fanfold run` of it takes from where they are: {files}",
+                f"{assembly.name}: {ssp.name} contains the scene, but not its further files, which `fanfold run` "
+                f"of it reads from where they are: {files}.",
             )
         )
     return write_ssp(ssp, assembly, paths, experiment)
@@ -172,7 +172,8 @@ def _at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
         warn(
             message(
                 "W-export",
-                f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}",
+                f"{assembly.name}: large-deformation beams start without load, although preload bends them: "
+                f"{names}. Export them as modal bodies to start in equilibrium.",
             )
         )
     return started_at_rest(assembly, coupled)
@@ -197,7 +198,8 @@ def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
         warn(
             message(
                 "W-export",
-                f"{scene.header.name}: events are no part of FMUs, so nothing makes these happen: {names}",
+                f"{scene.header.name}: component FMUs do not contain events, so these do not happen: {names}. "
+                "Export the scene as one FMU (--as-one) to include them.",
             )
         )
     if scene.fmus:
@@ -205,7 +207,7 @@ def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
         warn(
             message(
                 "W-export",
-                f"{scene.header.name}: FMUs of other tools are not exported; connect them as the scene does: {names}",
+                f"{scene.header.name}: FMUs of other tools are not exported: {names}. Connect them as in the scene.",
             )
         )
 
@@ -246,7 +248,7 @@ def _step_of_tools(assembly: Assembly) -> float | None:
         warn(
             message(
                 "W-export-step",
-                f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}",
+                f"{assembly.name}: no stable communication step for other tools could be computed: {error}",
             )
         )
         return None
@@ -256,12 +258,12 @@ def _step_of_tools(assembly: Assembly) -> float | None:
             if found
             else f"not even at {STEPS[-1]:g} s"
         )
-        instead = "export rigid bodies for them, or use" if assembly.flexible else "use"
+        instead = "Export rigid bodies for them, or use" if assembly.flexible else "Use"
         warn(
             message(
                 "W-export-step",
-                f"{assembly.name}: tools that do not iterate are stable {stable}; {instead} the scene as one FMU "
-                "or model exchange",
+                f"{assembly.name}: tools that do not iterate are stable {stable}. {instead} the scene as one FMU "
+                "or model exchange.",
             )
         )
     return found

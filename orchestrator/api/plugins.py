@@ -89,7 +89,9 @@ def _left_out_where_it_fails(name: str, draw: Draw) -> Draw:
             said = f"{type(error).__name__}: {error}"
             warn(
                 message(
-                    "W-figure", f"the figure {name!r} of {file}{line_in(file, error)}: {said}; it is left out"
+                    "W-figure",
+                    f"the figure {name!r} of {file}{line_in(file, error)} failed and is left out: {said}. "
+                    "Correct its function.",
                 )
             )
             return None

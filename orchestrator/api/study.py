@@ -156,8 +156,8 @@ def _tell_of_unknown_signals(task: Task) -> None:
         warn(
             message(
                 "W-signals",
-                f"{task.scene.name}: no signal matches {', '.join(unmatched)}; patterns are COMPONENT or "
-                f"COMPONENT.VARIABLE, and components are {', '.join(components)}",
+                f"{task.scene.name}: no signal matches {', '.join(unmatched)}. Use patterns of COMPONENT or "
+                f"COMPONENT.VARIABLE; components are {', '.join(components)}.",
             )
         )
 

@@ -78,7 +78,8 @@ def export_view(
         warn(
             message(
                 "W-incomplete",
-                f"{found.name}: the run was interrupted at {found.time[-1]:.6g} s; nothing after that is exported",
+                f"{found.name}: the run was interrupted at {found.time[-1]:.6g} s, and the export ends there. "
+                "Resume the run to export all of it.",
             )
         )
     if kind == "glb":

@@ -200,49 +200,51 @@ class Headline:
         """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
         for line, standing in self.not_opened.items():
             went = (
-                "" if line in self.unlatched_angles else f": it went to {degrees(standing.largest):.2f} deg"
+                ""
+                if line in self.unlatched_angles
+                else f" (largest angle {degrees(standing.largest):.2f} deg)"
             )
             yield message(
-                "W-not-opened", f"{line} {standing.missing}{went}; at {self.end_time:g} s it {standing.state}"
+                "W-not-opened",
+                f"{line} {standing.missing}{went}. At {self.end_time:g} s it {standing.state}.",
             )
         for line, passed in self.overruns.items():
             yield message(
                 "W-no-end",
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
-                f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
-                f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop",
+                f"{passed.passed_at:.4g} s: largest angle {degrees(passed.largest):.2f} deg, at {self.end_time:g} s "
+                f"{degrees(passed.last):.2f} deg. Add a latch or an end_stop.",
             )
         for line, depth in self.pressed_stops.items():
             yield message(
                 "W-stop-pressed",
-                f"{line} went {degrees(depth.value):.0f} deg beyond its end stop, at {depth.time:.4g} s; check the "
-                "stiffness of end_stop",
+                f"{line} moved {degrees(depth.value):.0f} deg beyond its end stop at {depth.time:.4g} s. Check the "
+                "stiffness of end_stop.",
             )
         for line, back in self.folded_back.items():
             yield message(
                 "W-folded-back",
-                f"{line} folded back by {degrees(back.value):.1f} deg behind where it started, at {back.time:.4g} s; "
-                "nothing there is meant to stop it: where bodies would touch, give a contact or a hold_down",
+                f"{line} folded back {degrees(back.value):.1f} deg behind its start angle at {back.time:.4g} s. Add a "
+                "contact or a hold_down where bodies would touch.",
             )
         for line, stood in self.beyond_tables.items():
             yield message(
                 "W-table-range",
-                f"{line} stood at {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
-                "or harness, which go on by their slopes there without end; give tables that tell of such angles, or "
-                "what keeps the line from them",
+                f"{line} reached {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
+                "or harness, whose last slopes are extrapolated. Extend the tables, or limit the travel of the line.",
             )
         for line, bend in self.bent.items():
             yield message(
                 "W-bent",
-                f"the hinges of {line} bent across their line by up to {degrees(bend.value):.0f} deg, "
-                f"at {bend.time:.4g} s; no hinge does, and their springs are meant for small angles: check "
-                "cross_stiffness and rotational_stiffness, and whether a line of one hinge can carry what hangs on it",
+                f"the hinges of {line} bent across their line by {degrees(bend.value):.0f} deg at {bend.time:.4g} s, "
+                "beyond the small angles of their springs. Check cross_stiffness and rotational_stiffness, and whether "
+                "a line with one hinge can carry its load.",
             )
         for line in self.peaks_at_end:
             yield message(
                 "W-peak-at-end",
-                f"the latch torque of {line} is largest at the very end, {self.end_time:g} s; "
-                "run longer for its peak",
+                f"the latch torque of {line} is largest at the end of the run, {self.end_time:g} s. Run longer to "
+                "include its peak.",
             )
 
     def numbers(self) -> Iterator[Number]:

@@ -76,8 +76,8 @@ class Recording:
             warn(
                 message(
                     "W-signals",
-                    f"{result.name}: no signal matches {', '.join(unmatched)}, so all are kept; patterns are of "
-                    f"COMPONENT or COMPONENT.VARIABLE, and components are {', '.join(result.components)}",
+                    f"{result.name}: no signal matches {', '.join(unmatched)}, so all are kept. Use patterns of "
+                    f"COMPONENT or COMPONENT.VARIABLE; components are {', '.join(result.components)}.",
                 )
             )
         if unmatched or not self.signals:

@@ -267,8 +267,8 @@ def _run(
                 warn(
                     message(
                         "W-backend",
-                        f"{assembly.name}: {exposed} runs in the process of this run, and a crash ends both; "
-                        "install Fanfold with a C compiler to isolate FMUs",
+                        f"{assembly.name}: {exposed} runs in the process of this run, and a crash ends both. "
+                        "Install Fanfold with a C compiler to isolate FMUs.",
                     )
                 )
             fixed = ", ".join(p.name for p in participants if not p.can_restore)
@@ -277,8 +277,8 @@ def _run(
                 warn(
                     message(
                         "W-backend",
-                        f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
-                        "the explicit Gauss-Seidel master takes its place",
+                        f"{assembly.name}: {fixed} cannot restore a saved state, which the implicit master needs. "
+                        "The explicit Gauss-Seidel master is used instead.",
                     )
                 )
             network = Network.ordered(

@@ -265,8 +265,8 @@ def _divided(assembly: Assembly, step: float, outcome: Outcome) -> str:
     """What is told of a constant step size (s) that could not be kept."""
     longest = max((max(segment, default=0.0) for segment in outcome.segments), default=0.0)
     return (
-        f"{assembly.name}: {outcome.costs.rejected} steps of {step:g} s, or of parts of it, did not converge or gained "
-        f"energy, and were divided; the longest made is {longest:.3g} s"
+        f"{assembly.name}: {outcome.costs.rejected} steps of {step:g} s or less did not converge or gained energy "
+        f"and were divided; the longest step is {longest:.3g} s. Use a smaller --step, or a tolerance."
     )
 
 
@@ -293,7 +293,10 @@ def missing_backend(backend: Backend | None) -> str:
     """What to tell where nothing was said of a back end and there is no native one; empty where there is."""
     if backend is not None or native_library() is not None:
         return ""
-    return "no native library was built at installation; PythonFMUs are used, which are slower"
+    return (
+        "no native library was built at installation, so slower PythonFMUs are used. Install Fanfold again with a "
+        "C compiler."
+    )
 
 
 def _refuse_wings(assembly: Assembly) -> None:
@@ -308,7 +311,10 @@ def _refuse_wings(assembly: Assembly) -> None:
 
 def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
     for name in sorted({*bending} - {"all", *assembly.flexible, *assembly.large_deformation}):
-        yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
+        yield (
+            f"{assembly.name}: {name} stays rigid, because held hinge lines join it to a rigid group. Remove held "
+            "= true from these lines if it should be flexible."
+        )
 
 
 def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: bool) -> None:

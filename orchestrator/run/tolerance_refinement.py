@@ -1,4 +1,4 @@
-"""A run whose numbers are likely to miss its tolerance is repeated at a smaller one, until all can be vouched for.
+"""Repeat a run with smaller tolerances until the estimated errors of its numbers meet the tolerance.
 
 A tolerance bounds what each step adds; what becomes of it is the scene's: a line that turns faster and faster
 towards its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from
@@ -103,7 +103,7 @@ def refined(
             warn(_too_costly(assembly.name, outcome, asked, tolerance, costly.times))
             break
         except RunError as failure:
-            note = f"The result is that of {settings.tolerance:.2g}: the repetition failed, {failure.reason}"
+            note = f"the repetition failed, {failure.reason}; the result has the tolerance {settings.tolerance:.2g}."
             warn(message("N-repetition-failed", note))
             break
         before, error = error, error_in_tolerances(better, asked)

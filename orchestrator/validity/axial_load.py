@@ -48,9 +48,9 @@ def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result)
         row = int(pressed[joint].argmax())
         most = float(pressed[joint][row])
         yield (
-            f"{body.name}: {joint} presses it by {most:.4g} N along it, at {result.time[row]:.4g} s, "
-            f"{most / critical:.2g} of Euler's load between pinned ends ({critical:.4g} N), which takes as much of its "
-            "stiffness; its modes are of first order and keep all of it; give it second_order_modes"
+            f"{body.name}: {joint} compresses it with {most:.4g} N at {result.time[row]:.4g} s, "
+            f"{100.0 * most / critical:.2g} % of Euler's load between pinned ends ({critical:.4g} N), and its "
+            "first-order modes keep their full stiffness. Set second_order_modes."
         )
 
 

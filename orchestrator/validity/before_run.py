@@ -39,6 +39,6 @@ def _many_steps(scene: CheckedScene) -> Iterator[str]:
     if steps > _MOST_STEPS:
         yield message(
             "W-steps",
-            f"scene.largest_step: is {scene.header.largest_step:g} s, with which {scene.header.until:g} s take "
-            f"{steps:.2g} steps at the least; give a larger one, which the tolerance keeps to where motion is slow",
+            f"scene.largest_step: {scene.header.largest_step:g} s needs at least {steps:.2g} steps for "
+            f"{scene.header.until:g} s. Increase it; the tolerance still keeps steps short where motion is fast.",
         )

@@ -31,8 +31,8 @@ def _stiffest(scene: CheckedScene) -> Iterator[str]:
     for loop in scene.loops:
         if loop.strand_stiffness > _STIFFEST:
             yield (
-                f"ccl.{loop.name}.strand_stiffness: is {loop.strand_stiffness:g} N/m, and a metre of 1 cm2 of steel "
-                "has 2e7 N/m; check the unit, as steps follow what rings on it"
+                f"ccl.{loop.name}.strand_stiffness: {loop.strand_stiffness:g} N/m is stiffer than any cable; 1 m "
+                "of steel with 1 cm2 has 2e7 N/m. Check the unit."
             )
 
 
@@ -71,13 +71,13 @@ def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
             continue
         first, second = (abs(degrees(turn)) for turn in travels)
         r1, r2, left = 1e3 * loop.pulley_1.radius, 1e3 * loop.pulley_2.radius, travels.mismatch(loop)
-        fit = f"; the radii would fit as {second:g} to {first:g}" if first and second else ""
+        fit = f" Radii in the ratio {second:g} to {first:g} would fit." if first and second else ""
         if travels.first * travels.second < 0.0:
-            fit = "; they turn in opposite senses against the body between them: check the axes of the lines"
+            fit = " The pulleys turn in opposite senses: check the axes of the lines."
         yield (
-            f"ccl.{loop.name}: its pulleys do not fit the travels that they join: {r1:g} mm by {first:g} deg against "
-            f"{r2:g} mm by {second:g} deg, which stretches a strand by up to {1e3 * left:.3g} mm, "
-            f"{left * loop.strand_stiffness:.3g} N beside its preload of {loop.preload:g} N{fit}"
+            f"ccl.{loop.name}: its pulley radii do not fit the travels of the lines: {r1:g} mm by {first:g} deg "
+            f"and {r2:g} mm by {second:g} deg stretch a strand by {1e3 * left:.3g} mm, "
+            f"{left * loop.strand_stiffness:.3g} N at a preload of {loop.preload:g} N.{fit}"
         )
 
 
@@ -89,8 +89,8 @@ def _askew_loops(scene: CheckedScene) -> Iterator[str]:
         askew = [line for line in between if norm(cross(loop.axis, line.axis)) > _ASKEW]
         if askew:
             yield (
-                f"ccl.{loop.name}.axis: its pulleys turn about {_plain(loop.axis)}, and {askew[0].name} opens about "
-                f"{_plain(askew[0].axis)}; a loop leads what its lines do where its axis is theirs"
+                f"ccl.{loop.name}.axis: the axis of the pulleys, {_plain(loop.axis)}, is not parallel to that of "
+                f"{askew[0].name}, {_plain(askew[0].axis)}. Give the loop the axis of its lines."
             )
 
 

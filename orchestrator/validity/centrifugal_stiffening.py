@@ -40,7 +40,7 @@ def unstiffened_rates(
         frequencies, rate = np.asarray(part.structure["modal"]["frequency"]), rates.get(part.name, 0.0)
         if frequencies.size and rate > _FELT * frequencies.min():
             yield (
-                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, beside a first free mode at "
-                f"{frequencies.min():.3g} rad/s, and its modes are of first order, which tension does not stiffen: "
-                "frequencies and deflections in spin are off; give it second_order_modes"
+                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s with a first free mode at "
+                f"{frequencies.min():.3g} rad/s, and first-order modes do not stiffen under tension. Set "
+                "second_order_modes."
             )

@@ -30,9 +30,9 @@ def creep_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
         speed = result.signal(rail.name, "sliding_speed")[late]
         if _FELT * full < speed.min() and speed.max() < min(full, (1.0 + _STEADY) * speed.min()):
             yield (
-                f"{rail.name}: its trolley creeps at {1e3 * speed[-1]:.3g} mm/s at the end, where friction would hold "
-                f"it: without breakaway_deflection, friction below stiction_velocity ({1e3 * full:g} mm/s) is less "
-                "than its full force; with one it sticks, and a smaller stiction_velocity creeps less"
+                f"{rail.name}: its trolley creeps at {1e3 * speed[-1]:.3g} mm/s at the end, because friction is "
+                f"below its full force at speeds below stiction_velocity ({1e3 * full:g} mm/s). Set "
+                "breakaway_deflection, or a smaller stiction_velocity."
             )
 
 

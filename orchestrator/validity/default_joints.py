@@ -42,8 +42,8 @@ def default_joint_warnings(scene: CheckedScene, model: LinearModel, modes: Norma
     several = ", ".join(names[:_NAMED]) + (" and others" if len(names) > _NAMED else "")
     mode = f"mode {first[k] + 1} ({modes.frequencies[first[k]]:.4g} Hz)"
     yield (
-        f"{scene.header.name}: {whole[k]:.0%} of the strain energy of {mode} is in joints that are as stiff as [joint] "
-        f"has them by default ({several}); state their stiffness, as the frequency hangs on it"
+        f"{scene.header.name}: {mode} depends on default joint stiffness ({whole[k]:.0%} of its strain energy, in "
+        f"{several}). Enter measured values in [joint]."
     )
 
 

@@ -26,8 +26,8 @@ def _without_load(scene: CheckedScene) -> Iterator[str]:
         is_empty = not any((one.structure.get("force"), one.structure.get("torque"), one.parameters))
         if one.kind == "load" and is_empty and one.name not in driven:
             yield (
-                f"connection.{one.name}: it has neither a force nor a torque, and no event or FMU sets added_force or "
-                "added_torque, so it does nothing"
+                f"connection.{one.name}: this load has no force and no torque, and no event or FMU sets "
+                "added_force or added_torque. Set one of them, or remove the load."
             )
 
 
@@ -36,8 +36,8 @@ def _never_stepped(scene: CheckedScene) -> Iterator[str]:
     for one in scene.fmus:
         if one.step is not None and one.step > scene.header.until:
             yield (
-                f"fmu.{one.name}: its step of {one.step:g} s is longer than the run of {scene.header.until:g} s, so it "
-                "never makes one"
+                f"fmu.{one.name}: its step of {one.step:g} s is longer than the run of {scene.header.until:g} s. "
+                "Check the unit of step."
             )
 
 
@@ -47,6 +47,6 @@ def _released_too_late(scene: CheckedScene) -> Iterator[str]:
         release = first_number(bolt, "release_time")
         if release > scene.header.until:
             yield (
-                f"connection.{bolt.name}: its release_time of {release:g} s comes after the run has ended, at "
-                f"{scene.header.until:g} s"
+                f"connection.{bolt.name}: its release_time of {release:g} s is after the end of the run at "
+                f"{scene.header.until:g} s. Release it earlier, or run longer."
             )

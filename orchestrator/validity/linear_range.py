@@ -77,13 +77,12 @@ def _turned_bodies(scene: CheckedScene, assembly: Assembly, result: Result) -> I
         turn = _largest_turn(part, result)
         if turn.angle <= (_SECOND_ORDER_TURN if np.size(modal["second_order_points"]) else _TURN):
             continue
-        remedy = "compare with fewer loads, or with the body in several pieces"
+        remedy = "Compare with smaller loads, or model the body in several pieces."
         if part.name in bodies and has_beam(bodies[part.name]):
-            remedy = f"compare with --large-deformation {part.name}"
+            remedy = f"Compare with --large-deformation {part.name}."
         yield (
-            f"{part.name} bent by {np.degrees(turn.angle):.3g} deg between its points {modal['point_names'][0]} and "
-            f"{turn.point}, at {turn.time:.4g} s, which is more than its modes are made for: they are for small "
-            f"deformation, and loads along it and places of its ends may be far off; {remedy}"
+            f"{part.name} bent by {np.degrees(turn.angle):.3g} deg between its points {modal['point_names'][0]} "
+            f"and {turn.point} at {turn.time:.4g} s, beyond the small deformation of its modes. {remedy}"
         )
 
 

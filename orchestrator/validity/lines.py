@@ -62,8 +62,8 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
         ends = line.latch is not None or line.end_stop is not None or line.held
         if line.motor is not None and not ends and {line.inboard, line.outboard} not in stopped:
             yield (
-                f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
-                f"keeps it at {degrees(line.deployed_angle):g} deg"
+                f"hinge_line.{line.name}: a motor opens it, but no latch or end stop ends its travel at "
+                f"{degrees(line.deployed_angle):g} deg. Add a latch or an end_stop."
             )
 
 
@@ -72,8 +72,8 @@ def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
     for line in scene.hinge_lines:
         if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
             yield (
-                f"hinge_line.{line.name}: its end stop is at {degrees(line.stop_angle):g} deg, before its latch at "
-                f"{degrees(line.deployed_angle):g} deg, which it reaches only as far as it presses the stop in"
+                f"hinge_line.{line.name}: its end stop at {degrees(line.stop_angle):g} deg is before its latch at "
+                f"{degrees(line.deployed_angle):g} deg, so it may not latch. Move the end stop beyond the latch."
             )
 
 
@@ -83,21 +83,22 @@ def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
         if line.latch is not None and line.latch.damping_ratio > _OVERDAMPED:
             ratio = line.latch.damping_ratio
             yield (
-                f"hinge_line.{line.name}.latch.damping_ratio: is {ratio:g}, {ratio:g} times what is critical; "
-                f"'{ratio:g} %' is a hundredth of it"
+                f"hinge_line.{line.name}.latch.damping_ratio: {ratio:g} is {ratio:g} times critical damping. If "
+                f"{ratio:g} % is meant, write '{ratio:g} %'."
             )
         soft = None if line.presliding is None else line.presliding.stiffness
         if soft and line.friction_preload > _FAR * soft:
             wound = line.friction_preload / soft
             yield (
-                f"hinge_line.{line.name}.presliding.stiffness: is {soft:g} N.m/rad, so soft that "
-                f"the line turns by {degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m "
-                "slides; what sticks gives way by milliradians"
+                f"hinge_line.{line.name}.presliding.stiffness: with {soft:g} N.m/rad the line turns by "
+                f"{degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m slides; "
+                "milliradians are usual. Check the unit."
             )
         if line.end_stop is not None and line.motor_energy > 0.5 * line.end_stop.stiffness * _GIVES_WAY**2:
             yield (
-                f"hinge_line.{line.name}.end_stop.stiffness: is {line.end_stop.stiffness:g} N.m/rad, so soft that the "
-                f"{line.motor_energy:.3g} J of the line's motor press it in by more than {degrees(_GIVES_WAY):.0f} deg"
+                f"hinge_line.{line.name}.end_stop.stiffness: with {line.end_stop.stiffness:g} N.m/rad the motor's "
+                f"{line.motor_energy:.3g} J compress the stop by more than {degrees(_GIVES_WAY):.0f} deg. Check "
+                "the unit."
             )
 
 
@@ -105,14 +106,14 @@ def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
     """A coefficient that no pin has, and lines whose friction is to stick and that have none."""
     if scene.friction.coefficient > _ROUGHEST:
         yield (
-            f"friction.coefficient: is {scene.friction.coefficient:g}, and pins have {_ROUGHEST:g} at the most; "
-            f"'{scene.friction.coefficient:g} %' is a hundredth of it"
+            f"friction.coefficient: {scene.friction.coefficient:g} is above {_ROUGHEST:g}, the largest of pins. If "
+            f"{scene.friction.coefficient:g} % is meant, write '{scene.friction.coefficient:g} %'."
         )
     for line in scene.hinge_lines:
         if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
             yield (
-                f"hinge_line.{line.name}.presliding: there is no friction that could stick; give the line "
-                "friction_preload, or friction.coefficient"
+                f"hinge_line.{line.name}.presliding: the line has no friction. Set its friction_preload, or "
+                "friction.coefficient."
             )
 
 
@@ -125,9 +126,9 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
             continue
         if (short := _first_short(scene, {name: 1.0})) is not None:
             yield (
-                f"hinge_line.{name}: at {degrees(short.angle):.4g} deg its motor gives {short.given:.4g} N.m, and its "
-                f"friction and harness take {short.taken:.4g} N.m; unless its speed carries it on or something else "
-                "drives it, it stops there"
+                f"hinge_line.{name}: at {degrees(short.angle):.4g} deg its motor torque of {short.given:.4g} N.m "
+                f"is below friction and harness, {short.taken:.4g} N.m, so it may stop there. Increase the motor "
+                "torque, or reduce friction."
             )
     for group in groups:
         if group.rates.keys() & motors and (short := _first_short(scene, group.rates)) is not None:
@@ -141,9 +142,9 @@ def _held_together(group: CoupledLines, short: _Short) -> str:
     )
     rates = " : ".join(f"{rate:.4g}" for rate in group.rates.values())
     return (
-        f"hinge_line.{first}: {couple}, at rates {rates}; with it at {degrees(short.angle):.4g} deg their motors give "
-        f"{short.given:.4g} N.m in all at its rate, and their friction and harness take {short.taken:.4g} N.m; unless "
-        "their speed carries them on or something else drives them, they stop there"
+        f"hinge_line.{first}: {couple}, at rates {rates}; at {degrees(short.angle):.4g} deg the motors have "
+        f"{short.given:.4g} N.m in sum at its rate, below friction and harness, {short.taken:.4g} N.m, so all may "
+        "stop there. Increase the motor torques, or reduce friction."
     )
 
 
@@ -196,9 +197,9 @@ def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
             ):
                 if beyond < -_TURNED:
                     yield (
-                        f"hinge_line.{line.name}.{name}: its table ends at {degrees(end):.4g} deg, and the line goes "
-                        f"from {degrees(low):.4g} to {degrees(high):.4g} deg; beyond, the torque goes on by the slope "
-                        "at the end"
+                        f"hinge_line.{line.name}.{name}: its table ends at {degrees(end):.4g} deg, but the line "
+                        f"turns from {degrees(low):.4g} to {degrees(high):.4g} deg, and the last slope is "
+                        "extrapolated. Extend the table."
                     )
 
 
@@ -216,8 +217,8 @@ def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
         if moved := sorted(beside & placed):
             words = f"{', '.join(moved)} {'move' if len(moved) > 1 else 'moves'} with the line"
             yield (
-                f"hinge_line.{line.name}.latch.effective_inertia: {words}, and its damping counts what hinge "
-                "lines carry alone; give the inertia of all that moves"
+                f"hinge_line.{line.name}.latch.effective_inertia: {words}, but the latch damping counts only "
+                "bodies that hinge lines carry. Set it to the inertia of all moving bodies."
             )
 
 
@@ -232,8 +233,8 @@ def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
     for line in scene.hinge_lines:
         if not line.held and {hinge.kind for hinge in line.hinges} == {"cylindrical"}:
             yield (
-                f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the line "
-                "freely; make one of them revolute"
+                f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the "
+                "line. Make one of them revolute."
             )
 
 
@@ -249,7 +250,6 @@ def _through_one_another(scene: CheckedScene) -> Iterator[str]:
         if apart * line.axis[1] < 0.0:
             side = "above" if apart > 0.0 else "below"
             yield (
-                f"hinge_line.{line.name}: {line.outboard} lies {1e3 * abs(apart):.4g} mm {side} {line.inboard} (along "
-                "its z) and opens to the other side, through it; change the sign of panel.hinge_line_offsets there, or "
-                "of axis"
+                f"hinge_line.{line.name}: {line.outboard} lies {1e3 * abs(apart):.4g} mm {side} {line.inboard} "
+                "(along its z) and opens through it. Change the sign of panel.hinge_line_offsets, or of axis."
             )

@@ -45,16 +45,16 @@ def opened_joint_warnings(scene: CheckedScene, assembly: Assembly, result: Resul
         return
     leading = [*motions(scene), *(c.name for c in scene.connections if c.kind in _LEADING)]
     yield (
-        f"{farthest.joint} opened by {1e3 * farthest.distance:.3g} mm under {farthest.force:.3g} N, at "
-        f"{farthest.time:.4g} s: bodies did not move as their joints let them; "
-        + (_led(leading) if leading else "the joint is soft for such a load, so check its stiffness")
+        f"{farthest.joint} opened by {1e3 * farthest.distance:.3g} mm under {farthest.force:.3g} N at "
+        f"{farthest.time:.4g} s, more than a joint may. "
+        + (_led(leading) if leading else "Check its stiffness.")
     )
 
 
 def _led(leading: list[str]) -> str:
     return (
-        f"where {' and '.join(leading)} leads, they cannot follow, or pass a singular position, where small motions "
-        "take large forces; check how far the law leads, and the joints that are locked"
+        f"Check how far {' and '.join(leading)} leads, which joints are locked, and whether the motion passes a "
+        "singular position."
     )
 
 

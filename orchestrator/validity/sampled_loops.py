@@ -27,10 +27,9 @@ def sampled_loop_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
             name = growing[0]
             largest = float(np.abs(result.signal(fmu.name, name)).max())
             yield (
-                f"fmu.{fmu.name}: its {name} swings to and fro from one of its steps of {fmu.step:g} s to the next, "
-                f"ever further, up to {largest:.3g} {result.unit(fmu.name, name)}: held for so long it makes the loop "
-                "that it closes unstable, and what follows in the scene is of that; give it a smaller step, or smaller "
-                "gains"
+                f"fmu.{fmu.name}: {name} alternates from step to step of {fmu.step:g} s with growing amplitude, up "
+                f"to {largest:.3g} {result.unit(fmu.name, name)}, because its feedback loop is unstable at this "
+                "step. Use a smaller step or smaller gains."
             )
 
 

@@ -73,9 +73,9 @@ def _struck_by_weight(scene: CheckedScene) -> Iterator[str]:
     acting = ["gravity"] * (any(scene.header.gravity) and scene.base.free is None) + loads
     if acting:
         yield (
-            f"scene.preload: {', '.join(acting)} at the start {'strike' if len(acting) > 1 else 'strikes'} joints and "
-            "bodies that bear nothing yet, which then ring by as much again, so that peaks there are up to twice what "
-            "they bear in the motion; true starts in the equilibrium of what is held, false says that the blow is meant"
+            f"scene.preload: {', '.join(acting)} {'act' if len(acting) > 1 else 'acts'} suddenly at the start, "
+            "which can double the loads of the first vibration. Set true to start in static equilibrium, or false "
+            "if the sudden load is meant."
         )
 
 
@@ -85,8 +85,8 @@ def _acts_at_start(load: Connection) -> bool:
 
 def _blow(preload: float) -> str:
     return (
-        f"its preload of {preload:g} N strikes the wing at the start; scene.preload = true starts in the equilibrium "
-        "under it, false says that the blow is meant"
+        f"its preload of {preload:g} N acts suddenly at the start. Set scene.preload = true to start in static "
+        "equilibrium, or false if the sudden load is meant."
     )
 
 
@@ -95,9 +95,9 @@ def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
     for rail in (one for one in scene.connections if one.kind == Rail.kind):
         if any(scene.header.gravity) and not first_number(rail, "normal_damping"):
             yield (
-                f"connection.{rail.name}: nothing damps it (normal_damping), so it rings under the weight that it "
-                "takes at the start, for which steps are small all along; scene.preload = true starts in the "
-                "equilibrium, false says that the ringing is meant"
+                f"connection.{rail.name}: without normal_damping it vibrates under the weight that acts suddenly "
+                "at the start, and steps stay small. Set scene.preload = true to start in static equilibrium, or "
+                "false if the vibration is meant."
             )
 
 
@@ -109,11 +109,14 @@ def _strained_rails(scene: CheckedScene) -> Iterator[str]:
             abs(float(started.observed()["normal_force"][0])),
         )
         if not stiffness:
-            yield f"connection.{rail.name}: its normal_stiffness is 0, so nothing keeps the trolley on its rail"
+            yield (
+                f"connection.{rail.name}: its normal_stiffness is 0, so the rail does not guide the trolley. Set "
+                "normal_stiffness."
+            )
         elif force > _DEEP * stiffness:
             yield (
-                f"connection.{rail.name}: initial_offset starts its trolley {1e3 * force / stiffness:.4g} mm off its "
-                f"plane, which normal_stiffness turns into {force:.4g} N"
+                f"connection.{rail.name}: initial_offset places the trolley {1e3 * force / stiffness:.4g} mm off "
+                f"its plane, a force of {force:.4g} N with this normal_stiffness. Correct initial_offset."
             )
 
 
@@ -124,9 +127,9 @@ def _wound_drives(scene: CheckedScene) -> Iterator[str]:
         wound = told["angle"] - told["commanded_angle"]
         if abs(wound) > _AWAY:
             yield (
-                f"connection.{drive.name}: its bodies start {degrees(wound):.4g} deg from what it commands, which "
-                f"winds its gearbox up by {abs(told['drive_torque']):.4g} N.m and {told['potential_energy']:.4g} J; "
-                "give it the axis of the line that it turns, and aligned_angle and start_angle that fit the line's"
+                f"connection.{drive.name}: its bodies start {degrees(wound):.4g} deg from the commanded angle, a "
+                f"torque of {abs(told['drive_torque']):.4g} N.m and {told['potential_energy']:.4g} J in the "
+                "gearbox. Give it the axis, aligned_angle and start_angle of the line that it drives."
             )
 
 
@@ -149,8 +152,8 @@ def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
             continue
         for bolt in bolts_across(scene, [line.name]):
             yield (
-                f"connection.{bolt}: it holds bodies where the run begins, and {line.name} starts "
-                f"{degrees(away):.3g} deg from its stowed angle; leave out a hold-down that has let go by then"
+                f"connection.{bolt}: it grips at the start of the run, where {line.name} is {degrees(away):.3g} "
+                "deg from its stowed angle. Remove hold-downs that are released before."
             )
 
 
@@ -159,9 +162,9 @@ def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
     for name, size in left_open(scene, scene_points(scene)).items():
         if size > _CLOSED:
             yield (
-                f"connection.{name}: hinge lines carry its bodies, and their start angles leave it open by "
-                f"{1e3 * size:.4g} mm (or mrad), which its stiffness turns into load; check the stowed_angle of each "
-                "line of the loop and its digits, or place a body of the loop instead"
+                f"connection.{name}: the start angles of its hinge lines leave it open by {1e3 * size:.4g} mm (or "
+                "mrad), a load by its stiffness. Check stowed_angle and its digits for each line of the loop, or "
+                "place a body of the loop."
             )
 
 
@@ -173,8 +176,8 @@ def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
             joints = ", ".join(one.name for one in bare if name in {seat.body for seat in one.ports.values()})
             advice = f"give {joints} axes (in the world), or " if joints else ""
             yield (
-                f"body.{name}: joints turn it by {degrees(angle):.3g} deg from where its place says, as their ports "
-                f"have the axes of their bodies; {advice}place it as they hold it"
+                f"body.{name}: joints turn it by {degrees(angle):.3g} deg from its place, because their ports have "
+                f"the axes of their bodies. To correct this, {advice}place it as the joints hold it."
             )
 
 
@@ -186,8 +189,8 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
     rates = start_rates(scene, points, start_poses(scene, points))
     if names := ", ".join(name for name, rate in rates.items() if np.abs(rate).max() > _NO_RATE):
         yield (
-            f"scene.preload: all starts at rest, in static equilibrium, and motions lead {names} at a rate from t = 0 "
-            "on: that is a blow; begin motions at rest, or leave preload out"
+            f"scene.preload: motion laws move {names} with a rate at t = 0, but the run starts from static "
+            "equilibrium, which is a sudden load. Let the laws start at rest, or remove preload."
         )
 
 
@@ -199,7 +202,7 @@ def turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
     turn = scene.base.motion.laws[1].value(0.0)
     if abs(remainder(turn, 2.0 * pi)) > _FLAT:
         yield (
-            f"base.motion: it begins with the base turned by {degrees(turn):.4g} deg, and places of "
-            f"{', '.join(placed)} and axes of connections are those of the world, which do not turn along; write "
-            "these as they are then, or let the law begin at a whole turn"
+            f"base.motion: the base starts rotated by {degrees(turn):.4g} deg, but places of {', '.join(placed)} "
+            "and axes of connections are in the world and do not rotate with it. Write them for the rotated base, "
+            "or let the law start at a full turn."
         )
