@@ -19,6 +19,6 @@ def turned_over(result: Result) -> Iterator[str]:
         jumps = np.abs(np.diff(result.signal(name, variable), axis=0)).max(axis=1, initial=0.0) > np.pi
         if jumps.any():
             yield (
-                f"{name} turns by more than a full turn: at {result.time[int(np.argmax(jumps)) + 1]:.4g} s its attitude, "
-                "a rotation vector, jumps. Use frame_orientation, which is continuous."
+                f"{name} turns by more than a full turn: at {result.time[int(np.argmax(jumps)) + 1]:.4g} s its "
+                "attitude, a rotation vector, jumps. Use frame_orientation, which is continuous."
             )

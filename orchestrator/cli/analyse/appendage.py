@@ -33,13 +33,13 @@ Examples:
 @as_posed_option
 @click.option(
     "--hold", multiple=True, default=("none",), show_default=True, metavar="LINES", callback=lines_given,
-    help="Lines kept at their angles without being latched, with commas between, or all, or none.",
+    help="Lines fixed at their angles without being latched, separated by commas, or all, or none.",
 )  # fmt: skip
 @click.option(
     "--points", multiple=True, callback=ordered_names, metavar="NAMES",
-    help="Points of the base, a model about each; by default the one that the base turns about.",
+    help="Points of the base, with a model about each; by default the point that the base rotates about.",
 )  # fmt: skip
-@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Cantilever modes to keep.")
+@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Number of cantilever modes.")
 @click.option(
     "-o", "--save", type=OutputFile(), metavar="FILE",
     help="File to write: .json, .npz, .mat (MATLAB), .op4 (Craig-Bampton, one grid), .txt (flexible body of 42).",
@@ -55,7 +55,7 @@ def command(
     save: Path | None,
     as_json: bool,
 ) -> None:
-    """SCENE as a linear appendage of its base: cantilever modes, participation, rigid and residual mass."""
+    """Linear appendage model of SCENE: cantilever modes, participation, rigid and residual mass."""
     found = fanfold.appendage(
         choice.load(),
         **wanted.posed,
@@ -102,12 +102,12 @@ def _print(found: Appendage) -> None:
     console = terminal()
     console.print(table)
     center = ", ".join(f"{x:.4g}" for x in found.center_of_mass)
-    console.print(f"{found.mass:.5g} kg with their centre at ({center}) m from the point; world axes")
+    console.print(f"mass {found.mass:.5g} kg, centre of mass at ({center}) m from the point, world axes")
     console.print(str(found.configuration) + (f"; held: {', '.join(found.held)}" if found.held else ""))
     force, torque = found.unbalanced
-    console.print(f"nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration")
+    console.print(f"Residual of the static equilibrium: {force:.3g} N, {torque:.3g} N.m.")
     free = int((found.frequency == 0.0).sum())
     if free:
         console.print(
-            f"{free} of the modes are free motions of the wing, of 0 Hz; --hold keeps lines at their angles"
+            f"{free} of the modes are rigid-body modes of the wing (0 Hz). Use --hold to fix lines at their angles."
         )

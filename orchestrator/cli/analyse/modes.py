@@ -33,9 +33,11 @@ _TOLD = 4
 @as_posed_option
 @click.option(
     "--base", type=click.Choice(("as-built", "held")), default="as-built", show_default=True,
-    help="A free spacecraft swings with the wing, or is held.",
+    help="A free spacecraft moves with the wing, or is held.",
 )  # fmt: skip
-@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Modes to list.")
+@click.option(
+    "--count", type=Count(min=1), default=15, show_default=True, help="Number of modes in the table."
+)
 @click.option(
     "-o",
     "--plot",
@@ -43,7 +45,11 @@ _TOLD = 4
     help="Folder for pictures of mode shapes.",
 )
 @click.option(
-    "--shapes", type=Count(min=1), default=4, show_default=True, help="Mode shapes to draw, with --plot."
+    "--shapes",
+    type=Count(min=1),
+    default=4,
+    show_default=True,
+    help="Number of mode shapes to draw, with --plot.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -84,14 +90,14 @@ def _print(found: Modes) -> None:
     from ..tables import plain_table, terminal
 
     masses_told = found.base != "free" and not found.turns
-    told = "; effective masses in % of the rigid ones" if masses_told else ""
+    told = "; effective masses in % of the rigid-body masses" if masses_told else ""
     table = plain_table(f"normal modes, {_BASES[found.base]}{told}")
     table.add_column("mode", justify="right", no_wrap=True)
     table.add_column("freq.,\nHz", justify="right", min_width=7)
     table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
     for heading in DIRECTIONS if masses_told else ():
         table.add_column(heading, justify="right", min_width=4, no_wrap=True)
-    table.add_column("moves most, %")
+    table.add_column("dominant body, % of modal mass")
     for mode in found.listed:
         masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if masses_told)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
@@ -101,21 +107,18 @@ def _print(found: Modes) -> None:
     console.print(table)
     console.print(str(found.configuration))
     if found.turns:
-        console.print("modes of a steady spin: none has an effective mass, as their axes turn")
+        console.print("Modes of a steady spin have no effective mass, because their axes rotate.")
     elif not masses_told:
-        console.print(
-            "the whole has no momentum in any of these modes, so none has an effective mass; "
-            "--base held tells those of the wing on a spacecraft that does not move"
-        )
+        console.print("A free-free system has no effective mass; use --base held.")
     force, torque = found.unbalanced
     console.print(
-        f"{found.free_motions} free motions (0 Hz); "
-        f"nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration"
+        f"{found.free_motions} rigid-body modes (0 Hz). Residual of the static equilibrium: {force:.3g} N, "
+        f"{torque:.3g} N.m."
     )
 
 
 def _print_damping(found: Modes) -> None:
-    """What damps the first mode, and by which rule."""
+    """What damps the first mode, and the structural damping rule."""
     from ..tables import terminal
 
     console, modes, structural = terminal(), found.listed, found.structural_damping
@@ -125,18 +128,18 @@ def _print_damping(found: Modes) -> None:
     coupled = [f"{mode.number}" for mode in modes if mode.coupled_by_damping]
     if coupled:
         console.print(
-            f"damping couples mode{'s' * (len(coupled) > 1)} {', '.join(coupled)} with others, so that less is left of "
-            "it than the table says of single modes; analyse frequency-response and appendage take all of it"
+            f"damping couples mode{'s' * (len(coupled) > 1)} {', '.join(coupled)} with others, so their damping "
+            "ratios are approximate; `analyse frequency-response` and `appendage` include the coupling"
         )
     if structural is not None:
         ratio, reference = structural.ratio, structural.reference_frequency
         console.print(
-            f"structural damping: {100.0 * ratio:.3g} % at {reference:.4g} Hz, in proportion to frequency"
+            f"structural damping: {100.0 * ratio:.3g} % at {reference:.4g} Hz, proportional to frequency"
         )
 
 
 def _print_spacing(found: Modes) -> None:
-    """Pairs of modes that root sum squares of their responses would underestimate."""
+    """Pairs of modes whose responses a root sum square would underestimate."""
     from ..tables import terminal
 
     pairs = [
@@ -144,9 +147,7 @@ def _print_spacing(found: Modes) -> None:
         for low, high in found.closely_spaced[:_TOLD]
     ]
     if pairs:
-        terminal().print(
-            f"closely spaced modes, whose responses add up in phase and beat: {', '.join(pairs)}"
-        )
+        terminal().print(f"closely spaced modes, which beat: {', '.join(pairs)}")
 
 
 def _percent(fraction: float) -> str:
