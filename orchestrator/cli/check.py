@@ -58,7 +58,7 @@ def command(
 
 
 def _check_fmus(paths: list[str], run: bool) -> bool:
-    """Print every problem of FMUs; returns whether there is any problem besides advice."""
+    """Print every problem of FMUs; returns whether there is any problem other than advice."""
     from ..results.parts import printable  # takes its time, which --help need not
 
     found = False
@@ -112,7 +112,7 @@ def _print(found: SceneCheck, asked: Path | None, usual: Path) -> None:
     for sentence in found.warnings:
         click.echo(f"warning: {sentence}")
     count = len(found.warnings)
-    told = f", {count} warning{'s' if count > 1 else ''}" if count else ""
-    click.echo(f"{found.scene}: OK{told}")
+    words = f", {count} warning{'s' if count > 1 else ''}" if count else ""
+    click.echo(f"{found.scene}: OK{words}")
     for path in pictures(found, asked, usual):
         click.echo(path)

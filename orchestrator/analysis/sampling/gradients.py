@@ -56,12 +56,12 @@ _DOUBTFUL = 0.1
 @short_repr
 @dataclass(frozen=True, slots=True)
 class Gradients:
-    """What a scene's headline numbers do when its keys change, each by a little.
+    """Derivatives of the headline numbers of a scene with respect to its keys.
 
-    keys: as they were given. values, units (P): of the keys, a factor being 1. numbers (N): those of the run.
-    derivatives (N, P): in the unit of the number over that of the key. errors (N): of each number's gradient, estimated
-    over the gradient as a whole; not a number where nothing moves it. single_errors (N, P): of the derivatives one by
-    one, in their units; not a number where they were not verified. unverified: why they could not be, if so.
+    keys, values, units (P): of the keys, 1 for factors. numbers (N): of the nominal run. derivatives (N, P): in the
+    unit of the number over that of the key. errors (N): of each gradient relative to its size; NaN if it is zero.
+    single_errors (N, P): of single derivatives, in their units; NaN without verification. unverified: why verification
+    failed, if it did.
     """
 
     scene: str
@@ -81,7 +81,7 @@ class Gradients:
 
     @property
     def round_off(self) -> NDArray[np.bool_]:
-        """(N,) whether a number is nothing beside its like, such as a load across a symmetric wing."""
+        """(N,) whether a number is round-off relative to its kind, such as a load across a symmetric wing."""
         return _round_off(self.numbers)
 
     @property
@@ -93,28 +93,27 @@ class Gradients:
 
     @property
     def unreliable(self) -> tuple[str, ...]:
-        """Names of the numbers whose derivatives mean nothing: small changes of the keys do not add up in them."""
+        """Names of numbers without meaningful derivatives: effects of small changes of the keys are not additive."""
         return tuple(name for name, error in zip(self.names, self.errors, strict=True) if error > _DOUBTFUL)
 
     @property
     def warning(self) -> str:
-        """What to say of these, and of errors that are not known; empty where there is nothing."""
-        told = []
+        """Warning about unreliable derivatives and unknown errors; empty if there are none."""
+        sentences = []
         if self.unverified:
-            told.append(
-                f"{self.scene}: the errors know nothing of those of the steps, as no neighbour could follow a run at a "
-                f"tenth of the tolerance: {self.unverified}"
+            sentences.append(
+                f"{self.scene}: the errors do not include step-size errors, because no neighbouring run could follow a "
+                f"run at a tenth of the tolerance: {self.unverified}"
             )
         if unreliable := ", ".join(self.unreliable):
-            told.append(
-                f"{self.scene}: nobody vouches for the derivatives of {unreliable}: a small change of all "
-                "keys together is not the sum of those of each, as where ringing is chaotic or not resolved, or rigid "
-                "bodies lock, whose loads hang on chance; try a smaller tolerance, or latches that are springs"
+            sentences.append(
+                f"{self.scene}: derivatives of {unreliable} are unreliable: the effect of all keys together is not the "
+                "sum of their single effects. Try a smaller tolerance, or latches with springs."
             )
-        return "; ".join(told)
+        return "\n".join(sentences)
 
     def plain(self) -> dict[str, object]:
-        """For JSON, which has no word for what is not a number: None; numbers by identifier, in the rows' order."""
+        """For JSON, with None for NaN; numbers by identifier, in the order of the rows."""
         arrays = {
             "derivatives": self.derivatives,
             "relative": self.relative,

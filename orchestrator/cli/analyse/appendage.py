@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...analysis.appendage.model import Appendage
 
 _SMALLEST_SHARE = 1e-3
-"""Of the rigid mass; what is less is told as 0."""
+"""Fraction of the rigid mass; smaller values are shown as 0."""
 _EXAMPLES = """\b
 Examples:
   fanfold analyse appendage amos3 --configuration deployed --save wing.mat
@@ -91,14 +91,14 @@ def _print(found: Appendage) -> None:
     least = _SMALLEST_SHARE * found.rigid_mass.diagonal()
     modes = zip(found.frequency, found.damping_ratio, found.effective_mass, strict=True)
     for k, (frequency, ratio, masses) in enumerate(modes, start=1):
-        told = ("0" if mass < small else f"{mass:.3g}" for mass, small in zip(masses, least, strict=True))
-        table.add_row(f"{k}", f"{frequency:.5g}", f"{100.0 * ratio:.3g}", *told)
+        shown = ("0" if mass < small else f"{mass:.3g}" for mass, small in zip(masses, least, strict=True))
+        table.add_row(f"{k}", f"{frequency:.5g}", f"{100.0 * ratio:.3g}", *shown)
     for name, matrix in (("left", found.residual_mass), ("rigid", found.rigid_mass)):
-        told = (
+        shown = (
             "0" if mass < small else f"{mass:.4g}"
             for mass, small in zip(matrix.diagonal(), least, strict=True)
         )
-        table.add_row(name, "", "", *told)
+        table.add_row(name, "", "", *shown)
     console = terminal()
     console.print(table)
     center = ", ".join(f"{x:.4g}" for x in found.center_of_mass)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 _SURE, _MOST, _REAL = 0.01, 10.0, 0.1
-"""Of a derivative: errors beyond the first are told beside it, and beyond the second not even as a part of it; up to
-the third it means something of a number that is round-off itself."""
+"""Relative errors of a derivative: larger than the first they are shown, larger than the second as "all"; up to
+the third a derivative of a number that is round-off is shown."""
 
 
 @click.command("gradients")
@@ -125,7 +125,7 @@ def _report(found: Gradients, verified: bool) -> None:
 
 
 def _sure(value: float, error: float, *, believed: bool) -> str:
-    """A derivative, with its relative error if above one per cent; "unreliable" if the error of its number is not bounded."""
+    """A derivative, with its relative error above one per cent; "unreliable" if that is unbounded."""
     if not error > _SURE * abs(value):
         return f"{value:.5g}"
     if not believed:

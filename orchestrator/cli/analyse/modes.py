@@ -23,8 +23,8 @@ _ROUNDED_UP = (9.995, 99.95)
 
 _BASES = {"fixed": "base fixed", "held": "free base held", "free": "base free"}
 
-_TOLD = 4
-"""What damps a mode, in a sentence."""
+_LISTED = 4
+"""Longest list in a sentence."""
 
 
 @click.command("modes")
@@ -89,17 +89,17 @@ def command(
 def _print(found: Modes) -> None:
     from ..tables import plain_table, terminal
 
-    masses_told = found.base != "free" and not found.turns
-    told = "; effective masses in % of the rigid-body masses" if masses_told else ""
-    table = plain_table(f"normal modes, {_BASES[found.base]}{told}")
+    with_masses = found.base != "free" and not found.turns
+    words = "; effective masses in % of the rigid-body masses" if with_masses else ""
+    table = plain_table(f"normal modes, {_BASES[found.base]}{words}")
     table.add_column("mode", justify="right", no_wrap=True)
     table.add_column("freq.,\nHz", justify="right", min_width=7)
     table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
-    for heading in DIRECTIONS if masses_told else ():
+    for heading in DIRECTIONS if with_masses else ():
         table.add_column(heading, justify="right", min_width=4, no_wrap=True)
     table.add_column("dominant body, % of modal mass")
     for mode in found.listed:
-        masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if masses_told)
+        masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if with_masses)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
         table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}")
@@ -108,7 +108,7 @@ def _print(found: Modes) -> None:
     console.print(str(found.configuration))
     if found.turns:
         console.print("Modes of a steady spin have no effective mass, because their axes rotate.")
-    elif not masses_told:
+    elif not with_masses:
         console.print("A free-free system has no effective mass; use --base held.")
     force, torque = found.unbalanced
     console.print(
@@ -123,8 +123,8 @@ def _print_damping(found: Modes) -> None:
 
     console, modes, structural = terminal(), found.listed, found.structural_damping
     if modes and modes[0].damping_shares:
-        told = list(modes[0].damping_shares.items())[:_TOLD]
-        console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in told))
+        words = list(modes[0].damping_shares.items())[:_LISTED]
+        console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in words))
     coupled = [f"{mode.number}" for mode in modes if mode.coupled_by_damping]
     if coupled:
         console.print(
@@ -144,7 +144,7 @@ def _print_spacing(found: Modes) -> None:
 
     pairs = [
         f"{low.number} and {high.number} (beat period {1.0 / (high.frequency - low.frequency):.3g} s)"
-        for low, high in found.closely_spaced[:_TOLD]
+        for low, high in found.closely_spaced[:_LISTED]
     ]
     if pairs:
         terminal().print(f"closely spaced modes, which beat: {', '.join(pairs)}")
