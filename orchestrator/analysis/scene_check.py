@@ -1,4 +1,4 @@
-"""A scene looked at before it is run: its problems and doubts, its bodies, lines and loops, and where they stand."""
+"""Check of a scene before its run: problems, warnings, bodies, lines, loops, and sketches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers that a master is told: how accurate, in which steps, what to tell and keep."""
+"""Settings of a master: accuracy, steps, messages, rows."""
 
 from __future__ import annotations
 

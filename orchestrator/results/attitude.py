@@ -1,4 +1,4 @@
-"""A spacecraft that turns by more than once: what its attitude, a rotation vector, tells of that."""
+"""Spacecraft that rotate by more than a full turn, which a rotation vector cannot represent."""
 
 from __future__ import annotations
 

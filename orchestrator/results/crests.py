@@ -1,4 +1,4 @@
-"""Crests of cubics through samples, as the largest sample lies beside the peak."""
+"""Maxima of cubics through samples, because a peak lies between samples."""
 
 from __future__ import annotations
 

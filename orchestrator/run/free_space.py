@@ -1,6 +1,6 @@
-"""How large a result is going to be, and whether the disk has room for it: told of while one can still act.
+"""Expected size of a result and free space on its disk, with a warning while a user can still act.
 
-A result that meets a full disk is readable up to there, but the night is lost; one of many gigabytes is hard to read.
+A result on a full disk is readable up to that time, but the run is lost; a result of many gigabytes is hard to read.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A run of a scene from beginning to end: fidelities, accuracy, master, estimated errors, and what is told of it."""
+"""Simulation of a scene from start to end: fidelities, accuracy, master, estimated errors, warnings."""
 
 from __future__ import annotations
 
@@ -304,8 +304,8 @@ def _refuse_wings(assembly: Assembly) -> None:
     names = [fmu.name for fmu in assembly.signal_fmus if fmu.iterated and fmu.is_wing]
     if names:
         raise RunError(
-            f"{assembly.name}: steps beside an iterated wing ({', '.join(names)}) follow from the tolerance; at a "
-            "fixed one loads may grow without end: leave it out; the wing's own table has the longest one"
+            f"{assembly.name}: an iterated wing ({', '.join(names)}) needs step-size control, because loads may "
+            "diverge at a constant step. Leave out the step; set a largest step in the table of the wing."
         )
 
 

@@ -1,15 +1,14 @@
 """Repeat a run with smaller tolerances until the estimated errors of its numbers meet the tolerance.
 
-A tolerance bounds what each step adds; what becomes of it is the scene's: a line that turns faster and faster
-towards its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from
-them: a decade of tolerance makes errors `_PER_DECADE` times smaller. Where they do not fall by that, a last run
-takes a hundredth of the tolerance; where that does not help either, as where the motion is chaotic, the result says
-which numbers nobody can vouch for. Latch-ups and stops, which size hinges, are held to what their errors may be at the
-most, loads to what is likely.
+A tolerance bounds the error of each step. The scene may amplify it: a line that accelerates towards its latch, or a
+beat long after latch-up. The estimated errors determine the smaller tolerance: errors fall by `_PER_DECADE` for each
+decade of tolerance. If they do not, a last run takes a hundredth of the tolerance. If that does not help either, as in
+chaotic motion, the result lists the numbers concerned. For latch-ups and stops, which size hinges, the largest
+possible error counts, for loads the likely one.
 
-Estimates near the limit may fall on either side of it on different processors. So a repetition is made only where it
-costs a few times the run: one that would take more steps is not begun, or is given up, and the result states the
-tolerance and the cost of the run that the user may ask for.
+Estimates near the limit may fall on either side of it on different processors. So a repetition is made only if it
+costs a few times the run. If it needs more steps, it is not started, or is stopped; the result then states the
+tolerance and the cost of the repetition.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""How far off is a run? Repeat it with every step halved, twice, and extrapolate each headline number.
+"""Error of a run by Richardson extrapolation: repeat it with steps halved and quartered.
 
-The accepted steps are replayed segment by segment between events. Richardson's extrapolation goes by the order that a
-number shows, between 1 and that of the coupling: rotations are of order 2 where vibrations are of order 4, and what is
-not resolved has none. The order that was observed is reported beside it, whatever it is.
+The accepted steps are replayed segment by segment between events. The extrapolation uses the observed order of each
+number, limited to between 1 and the order of the coupling: rotations have order 2, vibrations order 4, and unresolved
+motion has no order. The observed order is reported with each number.
 """
 
 from __future__ import annotations

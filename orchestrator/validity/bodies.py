@@ -1,4 +1,4 @@
-"""What bodies say that is hardly meant: masses, inertias and sections in other units."""
+"""Masses, inertias and sections of bodies that suggest other units."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def body_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def unlike_rigid_models(scene: CheckedScene, bending: Collection[str]) -> Iterator[str]:
-    """Flexible bodies whose rigid twin, by which lines are sized and damped, has another mass."""
+    """Flexible bodies whose rigid twin, which latch inertias follow from, has another mass."""
     for body in scene.bodies:
         if body.name in bending and body.rigid_twin:
             twin, own = (body_model(body, flexible).mass for flexible in (False, True))
@@ -63,7 +63,7 @@ def unlike_rigid_models(scene: CheckedScene, bending: Collection[str]) -> Iterat
 
 
 def _large_inertias(scene: CheckedScene) -> Iterator[str]:
-    """Rigid bodies whose inertia is that of something far larger than their points; the spacecraft among them."""
+    """Rigid bodies, the spacecraft included, whose inertia is too large for their points."""
     for body in scene.bodies:
         if body.rigid is not None:
             yield from _large_inertia(f"body.{body.name}.rigid", body.rigid, list(body.rigid.points.values()))
@@ -88,7 +88,7 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
 
 
 def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
-    """Panels that are no plates, denser or lighter than any material, or slack, by what their stiffnesses tell."""
+    """Panels too thick for plate theory, denser or lighter than any material, or too soft, by their stiffnesses."""
     for body in scene.bodies:
         panel = panel_of(body)
         if panel is None:
@@ -118,7 +118,7 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
 
 
 def _unlike_stiffness(key: str, plate: Plate) -> Iterator[str]:
-    """Plates without tension that hang like a cloth, or whose stiffness is no material's."""
+    """Plates without tension that are as soft as a cloth, or whose stiffness is that of no material."""
     first = _first_bending(min(plate.bending[:2]), plate.areal_mass, max(plate.length, plate.width))
     speed = float(np.sqrt(plate.membrane[0] / plate.areal_mass))
     if first < _SLACK:
@@ -135,7 +135,7 @@ def _unlike_stiffness(key: str, plate: Plate) -> Iterator[str]:
 
 
 def _coarse_membranes(scene: CheckedScene) -> Iterator[str]:
-    """Membranes whose elements are longer than what bends beside a held rim, of the length sqrt(D / T)."""
+    """Membranes with elements longer than the bending length sqrt(D / T) near a held rim."""
     for body in scene.bodies:
         panel = panel_of(body)
         if panel is None or panel.plate.prestress <= 0.0 or body.default_fidelity != "flexible":
@@ -156,7 +156,7 @@ def _first_bending(bending: float, mass: float, length: float) -> float:
 
 
 def _unlikely_beams(scene: CheckedScene) -> Iterator[str]:
-    """Beams that are as thick as long, or bend like a rope, by what their stiffnesses tell."""
+    """Beams too thick for beam theory, or as soft as a rope, by their stiffnesses."""
     for body in scene.bodies:
         beam = None if body.beam is None else body_definition(body).beam
         if beam is None:

@@ -1,4 +1,4 @@
-"""What cable loops say that is hardly meant: radii and axes that do not fit the lines between their pulleys."""
+"""Cable loops whose radii, axes or stiffness do not fit the lines between their pulleys."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def loop_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _stiffest(scene: CheckedScene) -> Iterator[str]:
-    """Strands that no cable is as stiff as; steps follow what rings on them."""
+    """Strands stiffer than any cable, whose vibrations need small steps."""
     for loop in scene.loops:
         if loop.strand_stiffness > _STIFFEST:
             yield (
@@ -37,18 +37,18 @@ def _stiffest(scene: CheckedScene) -> Iterator[str]:
 
 
 class Travels(NamedTuple):
-    """Turns (rad) of both pulleys of a loop against the body between them, from the start until all is deployed."""
+    """Rotations (rad) of both pulleys of a loop relative to the body between them, until full deployment."""
 
     first: float
     second: float
 
     def mismatch(self, loop: Ccl) -> float:
-        """Cable (m) that one pulley takes up and the other does not give."""
+        """Difference (m) of the cable lengths that the two pulleys wind up and release."""
         return abs(loop.pulley_1.radius * self.first - loop.pulley_2.radius * self.second)
 
 
 def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
-    """The travels that a loop joins; None where no single body is between its pulleys."""
+    """The travels that a loop couples; None if no single body is between its pulleys."""
     bodies = loop.pulley_1.body, loop.pulley_2.body
     carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
     if carrier is None:
@@ -58,13 +58,13 @@ def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
 
 
 def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
-    """Turn (rad) of a body about an axis from the start until all lines are deployed."""
+    """Rotation (rad) of a body about an axis from the start until all lines are deployed."""
     lines = [line for line in scene.lines_inward(body) if not line.held]
     return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
 
 
 def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
-    """Loops whose radii do not fit the travels they join, so that a strand goes slack on the way."""
+    """Loops whose radii do not fit their travels, so that a strand goes slack."""
     for loop in scene.loops:
         travels = loop_travels(scene, loop)
         if travels is None or travels.mismatch(loop) * loop.strand_stiffness <= loop.preload:
@@ -82,7 +82,7 @@ def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
 
 
 def _askew_loops(scene: CheckedScene) -> Iterator[str]:
-    """Cable loops whose pulleys turn about another axis than the lines between them."""
+    """Cable loops whose axis is not parallel to that of the lines between their pulleys."""
     for loop in scene.loops:
         ways = [list(scene.lines_inward(pulley.body)) for pulley in (loop.pulley_1, loop.pulley_2)]
         between = [line for way, other in (ways, ways[::-1]) for line in way if line not in other]
@@ -95,5 +95,5 @@ def _askew_loops(scene: CheckedScene) -> Iterator[str]:
 
 
 def _plain(axis: Vector3) -> str:
-    """As people write it."""
+    """Text of an axis."""
     return "(" + ", ".join(f"{x:.4g}" for x in axis) + ")"

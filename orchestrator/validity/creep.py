@@ -1,4 +1,4 @@
-"""Trolleys that creep where friction should hold them, as that of their rail is chosen to be smooth at rest."""
+"""Trolleys that creep although friction should hold them, because the friction of their rail is smooth at rest."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _FELT = 0.01
 
 
 def creep_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each rail whose trolley slides steadily, at the end, below the speed of full friction."""
+    """A sentence for each rail whose trolley slides steadily at the end, below the speed of full friction."""
     late = result.time >= _LATE * result.time[-1]
     for rail in (part for part in assembly.parts if part.kind == Rail.kind):
         smooth = _start(rail, "friction_force") > 0.0 and _start(rail, "breakaway_deflection") == 0.0

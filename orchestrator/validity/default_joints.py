@@ -1,4 +1,4 @@
-"""How much of a mode hangs on joints whose stiffness a scene does not state."""
+"""Dependence of modes on joints whose stiffness a scene does not state."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NAMED = 3
 
 
 def default_joint_warnings(scene: CheckedScene, model: LinearModel, modes: NormalModes) -> Iterator[str]:
-    """A sentence for the mode of the first ones that joints stiff by default bend most, where that is a tenth."""
+    """A sentence for the first mode that depends most on default joint stiffness, if that is above a tenth."""
     if np.iscomplexobj(modes.shapes):
         return
     first = np.flatnonzero(~modes.is_free & (modes.eigenvalues > 0.0))[:_MODES]

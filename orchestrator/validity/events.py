@@ -1,4 +1,4 @@
-"""Events of a scene that have not happened in a run, or did nothing when they did."""
+"""Events of a scene that did not happen in a run, or had no effect."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LATCH_ANGLE = "latch_angle"
 
 
 def event_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence each: why an event has not happened, or that what it acts on had latched or was released before."""
+    """A sentence for each event that did not happen, or whose target had latched or was released before."""
     happened = {name: time for time, name, _ in result.events}
     latched = latch_times(result)
     for event in assembly.events:
@@ -28,7 +28,7 @@ def event_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
 
 
 def _absent(event: Event, result: Result) -> str:
-    """That it has not happened, and how far its condition was from holding."""
+    """Why it did not happen, and how far its condition was from being met."""
     if (condition := event.condition) is None:
         return (
             f"event {event.name} did not happen: its time, {event.time:g} s, is after the end of the run. Run "
@@ -46,7 +46,7 @@ def _absent(event: Event, result: Result) -> str:
 
 
 def _without_effect(event: Event, at: float, latched: Mapping[str, float]) -> Iterator[str]:
-    """Lines that an event at a time (s) was to latch and could not, by when lines latched (s)."""
+    """Lines that an event at a time (s) should latch and could not, by the times (s) at which lines latched."""
     for line in event.latches:
         if line not in latched:
             yield f"event {event.name} did not latch {line}: its hinges were released before."

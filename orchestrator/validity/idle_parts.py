@@ -1,4 +1,4 @@
-"""Parts of a scene that would do nothing, or only when the run has ended."""
+"""Parts of a scene without effect, or only after the end of the run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def idle_part_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _without_load(scene: CheckedScene) -> Iterator[str]:
-    """Loads that have no law, and that nothing sets in mid-run."""
+    """Loads without a law that nothing sets during the run."""
     outputs = [target for fmu in scene.fmus for name in fmu.outputs for target in fmu.targets(name)]
     driven = {target.partition(".")[0] for target in outputs}.union(*(event.set for event in scene.events))
     for one in scene.connections:
@@ -42,7 +42,7 @@ def _never_stepped(scene: CheckedScene) -> Iterator[str]:
 
 
 def _released_too_late(scene: CheckedScene) -> Iterator[str]:
-    """Hold-downs that would let go after the run has ended."""
+    """Hold-downs that are released after the end of the run."""
     for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
         release = first_number(bolt, "release_time")
         if release > scene.header.until:

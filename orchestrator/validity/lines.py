@@ -1,4 +1,4 @@
-"""What hinge lines say that is hardly meant: what opens them, resists them and ends their motion."""
+"""Probable mistakes in hinge lines: motors, resistances, latches, stops."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def line_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:
-    """Lines that a motor opens and nothing ends, nor a stop that is a connection between their bodies."""
+    """Lines that a motor opens, without a latch or a stop, also none that is a connection between their bodies."""
     stopped = [
         {seat.body for seat in one.ports.values()} for one in scene.connections if one.kind == EndStop.kind
     ]
@@ -68,7 +68,7 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
 
 
 def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose end stop lies before their latch, which they do not reach then."""
+    """Lines whose end stop lies before their latch."""
     for line in scene.hinge_lines:
         if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
             yield (
@@ -78,7 +78,7 @@ def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
 
 
 def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
-    """Latches that brake like tar, friction that sticks like rubber, end stops that a line's own motor presses in."""
+    """Overdamped latches, soft presliding friction, end stops too soft for the motor of their line."""
     for line in scene.hinge_lines:
         if line.latch is not None and line.latch.damping_ratio > _OVERDAMPED:
             ratio = line.latch.damping_ratio
@@ -103,7 +103,7 @@ def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
 
 
 def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
-    """A coefficient that no pin has, and lines whose friction is to stick and that have none."""
+    """A friction coefficient beyond that of pins, and presliding without friction."""
     if scene.friction.coefficient > _ROUGHEST:
         yield (
             f"friction.coefficient: {scene.friction.coefficient:g} is above {_ROUGHEST:g}, the largest of pins. If "
@@ -118,7 +118,7 @@ def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
 
 
 def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
-    """Lines, coupled ones together, whose friction and harness take more than motors give, somewhere on the way."""
+    """Lines, coupled lines together, whose friction and harness exceed the motor torque at some angle."""
     groups = [group for group in coupled_lines(scene) if not group.drives]
     motors = [line.name for line in scene.hinge_lines if line.motor is not None and not line.held]
     for name in motors:
@@ -149,7 +149,7 @@ def _held_together(group: CoupledLines, short: _Short) -> str:
 
 
 class _Short(NamedTuple):
-    """Angle (rad) of a line, and what drives and what resists there (N.m), coupled lines at its rate."""
+    """Angle (rad) of a line, driving and resisting torque there (N.m), coupled lines at its rate."""
 
     angle: float
     given: float
@@ -157,7 +157,7 @@ class _Short(NamedTuple):
 
 
 def _first_short(scene: CheckedScene, rates: Mapping[str, float]) -> _Short | None:
-    """The first place at which more resists than drives; rates: of all lines that turn together, over the first's."""
+    """The first angle at which resistance exceeds the drive; rates: of all coupled lines, relative to the first."""
     lines = {line.name: line for line in scene.hinge_lines}
     given, taken = np.zeros(_ANGLES), np.zeros(_ANGLES)
     for name, rate in rates.items():
@@ -171,7 +171,7 @@ def _first_short(scene: CheckedScene, rates: Mapping[str, float]) -> _Short | No
 
 
 def _torques(line: HingeLine, rate: float) -> tuple[Vector, Vector]:
-    """Torque (N.m) of the motor, and that of friction and harness, on the way, at the rate of another line."""
+    """Motor torque, and torque of friction and harness (N.m) over the travel, at the rate of another line."""
     angles = _angles(line).tolist()
     opening = Linear(0.0) if line.harness is None else line.harness.opening_law
     motor = np.array([line.motor_law.value(angle) for angle in angles])
@@ -180,12 +180,12 @@ def _torques(line: HingeLine, rate: float) -> tuple[Vector, Vector]:
 
 
 def _angles(line: HingeLine) -> Vector:
-    """Places (rad) on the way of a line."""
+    """Angles (rad) over the travel of a line."""
     return np.linspace(line.initial_angle, max(line.initial_angle, line.deployed_angle), _ANGLES)
 
 
 def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
-    """Lines that go beyond what tables of their motor or harness tell."""
+    """Lines that travel beyond the tables of their motor or harness."""
     for line in scene.hinge_lines:
         low, high = sorted((line.initial_angle, line.deployed_angle))
         for name, table in (("motor", line.motor), ("harness", line.harness)):
@@ -204,7 +204,7 @@ def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
 
 
 def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
-    """Latches of lines in closed loops, damped by the inertia of what hinge lines alone carry."""
+    """Latches of lines in closed loops whose damping counts only bodies that hinge lines carry."""
     if scene.structural_damping is not None:
         return
     placed = {body.name for body in scene.bodies if body.place is not None}
@@ -227,7 +227,7 @@ def _joins(joint: Connection, bodies: Collection[str]) -> bool:
 
 
 def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose hinges all let their body slide, where nothing else could hold it."""
+    """Lines with cylindrical hinges only, whose body slides, as nothing else holds it."""
     if scene.loops or scene.connections:
         return
     for line in scene.hinge_lines:
@@ -239,7 +239,7 @@ def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
 
 
 def _through_one_another(scene: CheckedScene) -> Iterator[str]:
-    """Panels folded onto each other by a line on those faces of theirs that are not the ones that part as it opens."""
+    """Folded panels that open through each other."""
     points, panels = scene_points(scene), {body.name for body in scene.bodies if panel_of(body) is not None}
     for line in scene.hinge_lines:
         folded = abs(line.aligned_angle - line.initial_angle - pi) < _FLAT

@@ -1,4 +1,4 @@
-"""Joints that opened so far in a run that the bodies no longer moved as they let them."""
+"""Joints that opened so far that bodies no longer moved as their joints allow."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class _Opened(NamedTuple):
 
 
 def opened_joint_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for the joint that opened farthest beside its bodies, where that is more than a joint may."""
+    """A sentence for the joint that opened farthest relative to its bodies, if beyond the limit."""
     sizes, beside = _sizes(scene), dict[str, float]()
     for link in assembly.links:
         joint = link.connection[0]
@@ -59,7 +59,7 @@ def _led(leading: list[str]) -> str:
 
 
 def _sizes(scene: CheckedScene) -> dict[str, float]:
-    """Largest distance (m) of two points of every body."""
+    """Largest distance (m) between two points of every body."""
     return {
         name: max((norm(subtract(a, b)) for a, b in combinations(points.values(), 2)), default=0.0)
         for name, points in scene_points(scene).items()

@@ -1,4 +1,4 @@
-"""What is said of FMUs of other tools that take part in a scene, though they can: what is hardly meant, or known."""
+"""Probable mistakes in the use of FMUs of other tools."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST_STEPS = 1e6
 
 
 def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
-    """What is said of FMUs that take part, though they can: what is hardly meant, or hardly known."""
+    """All warnings about FMUs of other tools in a scene."""
     tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
     for fmu in assembly.signal_fmus:
         if (table := tables.get(fmu.name)) is not None:
@@ -29,7 +29,7 @@ def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str
 
 
 def _bare_units(fmu: SignalFmu) -> Iterator[str]:
-    """Variables without unit, which are taken as they are."""
+    """Variables without a unit."""
     bare = [s for s in (*fmu.inputs, *fmu.outputs) if not s.says_unit and s.unit != "1"]
     if bare:
         listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
@@ -40,7 +40,7 @@ def _bare_units(fmu: SignalFmu) -> Iterator[str]:
 
 
 def _all_too_often(table: Fmu, until: float) -> Iterator[str]:
-    """FMUs whose own step the run has to stop at more often than anybody waits for."""
+    """FMUs whose step requires very many steps of the run."""
     if table.step is not None and until > _MOST_STEPS * table.step:
         yield (
             f"fmu.{table.name}: its step of {table.step:g} s requires {until / table.step:.2g} steps in {until:g} "
@@ -49,7 +49,7 @@ def _all_too_often(table: Fmu, until: float) -> Iterator[str]:
 
 
 def _of_several_hinges(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
-    """Loads by the name of a line that has several hinges."""
+    """Loads addressed by the name of a line with several hinges."""
     hinges = {line.name: line for line in lines if len(line.hinges) > 1}
     units = {s.variable: s.unit for s in (*fmu.inputs, *fmu.outputs)}
     for name, source in table.inputs.items():
@@ -83,7 +83,7 @@ def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
 
 
 def _driven_wing(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
-    """What a wing does not get that is held, and one that is iterated, from what it is joined to."""
+    """Limits of a wing with constant loads over a step, and of an iterated wing."""
     if not fmu.iterated:
         yield (
             f"fmu.{fmu.name}: loads of this wing are constant over a step, which may be unstable if it is heavy "

@@ -1,4 +1,4 @@
-"""What analyses of small motion leave out of a scene."""
+"""Parts of a scene that analyses of small motion omit."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ..scene import CheckedScene
 
 
 def left_out(scene: CheckedScene, rigid: Collection[str], spinning: bool) -> Iterator[str]:
-    """Sentences on beams of large deformation, which are modal here, on what turns, and on what will.
+    """Sentences on large-deformation beams, which are modal in analyses, and on present and later spin.
 
-    rigid: bodies that are taken as such, or "all". spinning: whether the analysis is about the steady spin of a base.
+    rigid: names of rigid bodies, or "all". spinning: the analysis linearises about the steady spin of a base.
     """
     name = scene.header.name
     bodies = [body.name for body in scene.bodies if body.default_fidelity == "large_deformation"]

@@ -1,4 +1,4 @@
-"""What a scene begins with that is hardly meant: blows, open loops, strained rails, hold-downs in mid-travel."""
+"""Probable mistakes in the start of a scene: sudden loads, open loops, strained rails, hold-downs in mid-travel."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
-    """Loops and hold-downs whose preload acts all at once at the start."""
+    """Loops and hold-downs whose preload acts suddenly at the start."""
     roots = joined(scene)
     for loop in scene.loops:
         if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
@@ -68,7 +68,7 @@ def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
 
 
 def _struck_by_weight(scene: CheckedScene) -> Iterator[str]:
-    """Weight and loads that joints take all at once at the start."""
+    """Weight and loads that act on joints suddenly at the start."""
     loads = [one.name for one in scene.connections if one.kind == Load.kind and _acts_at_start(one)]
     acting = ["gravity"] * (any(scene.header.gravity) and scene.base.free is None) + loads
     if acting:
@@ -91,7 +91,7 @@ def _blow(preload: float) -> str:
 
 
 def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
-    """Rails that take a weight all at once at the start, and ring under it for ever."""
+    """Undamped rails that a weight loads suddenly at the start."""
     for rail in (one for one in scene.connections if one.kind == Rail.kind):
         if any(scene.header.gravity) and not first_number(rail, "normal_damping"):
             yield (
@@ -102,7 +102,7 @@ def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
 
 
 def _strained_rails(scene: CheckedScene) -> Iterator[str]:
-    """Rails without stiffness, which guide nothing, and those that start out of their plane."""
+    """Rails without stiffness, and rails that start off their plane."""
     for rail, started in _started(scene, Rail.kind):
         stiffness, force = (
             started.parameter("normal_stiffness"),
@@ -121,7 +121,7 @@ def _strained_rails(scene: CheckedScene) -> Iterator[str]:
 
 
 def _wound_drives(scene: CheckedScene) -> Iterator[str]:
-    """Drives whose bodies start elsewhere than where they are commanded to be."""
+    """Drives whose bodies start away from the commanded angle."""
     for drive, started in _started(scene, Drive.kind):
         told = {name: float(value[0]) for name, value in started.observed().items()}
         wound = told["angle"] - told["commanded_angle"]
@@ -145,7 +145,7 @@ def _started(scene: CheckedScene, kind: str) -> Iterator[tuple[Connection, Insta
 
 
 def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
-    """Hold-downs across lines that start away from where they are stowed: they grip there."""
+    """Hold-downs across lines that start away from their stowed angle."""
     for line in scene.hinge_lines:
         away = line.initial_angle - line.stowed_angle
         if line.held or abs(away) <= _AWAY:
@@ -158,7 +158,7 @@ def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
 
 
 def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
-    """Joints between what lines carry, where start angles do not bring their points together."""
+    """Joints of loops that the start angles leave open."""
     for name, size in left_open(scene, scene_points(scene)).items():
         if size > _CLOSED:
             yield (
@@ -169,7 +169,7 @@ def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
 
 
 def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
-    """Placed bodies that joints turn far out of the attitude that they are written with."""
+    """Placed bodies that joints rotate far from their placed attitude."""
     bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
     for name, angle in closed(scene, scene_points(scene)).turned.items() if bare else ():
         if angle > _TURNED:
@@ -182,7 +182,7 @@ def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
 
 
 def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
-    """Motions that have a rate where all else starts from a static equilibrium."""
+    """Motion laws with an initial rate in a start from static equilibrium."""
     if not scene.header.preload:
         return
     points = scene_points(scene)
@@ -195,7 +195,7 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
 
 
 def turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
-    """Bases that a motion turns at the start, beside bodies whose places are those of the world."""
+    """Bases that a motion law rotates at the start, while bodies are placed in the world."""
     placed = [body.name for body in scene.bodies if body.place is not None]
     if scene.base.motion is None or not placed:
         return

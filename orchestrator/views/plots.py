@@ -246,7 +246,7 @@ def curves_of(result: Result, name: str, variable: str, with_name: bool) -> Iter
 
 
 def port_loads(result: Result) -> Figure | None:
-    """Loads on the spacecraft by attachment, in its axes, about the attachment. Components below 0.1 % are not shown."""
+    """Loads on the spacecraft by attachment, in its axes, about each. Components below 0.1 % are not shown."""
     return _loads_at_points(result, "Loads at the attachments of the spacecraft", point_loads.port_loads)
 
 

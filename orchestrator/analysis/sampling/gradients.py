@@ -225,7 +225,7 @@ def gradients(
             unverified = str(error)
         found = _told(assembly, parameters, beside, together, followed, finer)
         return replace(found, unverified=unverified)
-    raise StudyError(f"{assembly.name}: {astray}; its numbers have no derivative that can be told")
+    raise StudyError(f"{assembly.name}: {astray}; derivatives cannot be computed")
 
 
 def _follow(

@@ -49,7 +49,7 @@ class Stretching:
         if self.compression.value > 0.0:
             yield (
                 f"{body}: its mid-plane is most compressed {self.compression}, by"
-                f" {self.compression.value / 1e6:.3g} MPa; a membrane would wrinkle there, which this model does not include"
+                f" {self.compression.value / 1e6:.3g} MPa; a membrane would wrinkle there, unlike this model"
             )
 
 

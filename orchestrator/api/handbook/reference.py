@@ -61,7 +61,7 @@ def _keys(table: KeyTable) -> Iterator[str]:
     if table.place:
         yield f"({_anchor(table.place)})="
     yield (
-        "## Beside the tables"
+        "## Outside tables"
         if not table.place
         else f"{'##' if '.' not in table.place else '###'} {_heading(table)}"
     )

@@ -33,9 +33,7 @@ def report_study(
     from ..tables import terminal
 
     console = terminal()
-    console.print(
-        latch_table(f"{study.scene}: convergence with the {study.against}", study.shown, study.reference)
-    )
+    console.print(latch_table(f"{study.scene}: relative to {study.against}", study.shown, study.reference))
     for table in further:
         console.print(table)
     console.print(f"pictures and results in {folder}")

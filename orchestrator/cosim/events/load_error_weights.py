@@ -1,4 +1,4 @@
-"""Loads that the error of a step is judged by beside its work: torques of latched lines, loads where stops are struck.
+"""Loads that weight the error of a step in addition to its work: torques of latched lines, loads of struck stops.
 
 A light part that latches or strikes has little of a scene's energy, and a large share of its loads.
 """

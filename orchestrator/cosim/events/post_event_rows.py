@@ -1,4 +1,4 @@
-"""Rows with what events make of loads at their instant, from steps too short for motion, which are taken back."""
+"""Rows with loads right after an event, from steps too short for motion, which are undone."""
 
 from __future__ import annotations
 

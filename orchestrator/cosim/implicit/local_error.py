@@ -1,7 +1,7 @@
-"""The local error of a coupled step, from how far its wrenches bend; what coupling/prediction.h does for FMUs.
+"""Local error of a coupled step from the curvature of its wrenches; coupling/prediction.h computes it for FMUs.
 
-The mean over a step of size h errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work of such
-wrenches on the motion they cause, over an energy, is the square of a relative error in velocity.
+The mean over a step of size h errs by a twelfth of h^2 u'', less the part that slopes cover. The work of such wrenches
+on the motion that they cause, over an energy, is the square of a relative error in velocity.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Start the process of an FMU that has signals, and ask it; what becomes of it is told by name and time."""
+"""The process of an FMU with signals: start, requests, and failures with name and time."""
 
 from __future__ import annotations
 

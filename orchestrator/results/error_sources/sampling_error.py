@@ -1,11 +1,10 @@
-"""What of a peak hangs on where communication steps happened to end, told by the rows of a run alone.
+"""Error of a peak due to the instants at which communication steps end, from the rows of a run alone.
 
-A companion with longer steps sees three things by chance only. The peak of a ringing that steps do not resolve is the
-row that came nearest to it: without every other row it is another one. Where an event starts a motion that is over
-within two steps, what stood out between rows may have been higher than the peak that the run tells, at another time;
-so with a damped stop that is struck. And a line latches with the rates that its hinges have at one instant: where
-bodies ring within a step, these are off those at which the angles of the last steps arrive, and the damping of the
-latch makes a torque of them at once.
+A companion with longer steps detects three errors only by chance. The peak of an unresolved vibration is the row
+nearest to it; without every other row it is another one. A transient after an event may end within two steps, and its
+peak between rows may exceed the recorded one; so with a damped stop at contact. And a line latches with the rates of
+its hinges at one instant: if bodies vibrate within a step, these rates differ from the mean rates over the last steps,
+and the damping of the latch turns the difference into a torque at once.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.builder import Scene
 from orchestrator.scene.table import SceneError
-from orchestrator.validity.before_run import doubts
+from orchestrator.validity.before_run import scene_warnings
 from orchestrator.validity.cable_loops import loop_travels
 from tests.references.edits import edited
 from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text, problems_of
@@ -31,13 +31,13 @@ def test_a_load_that_does_nothing():
             free={"mass": 1, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1)},
         )
         scene.connection("push", "load", **keys, **changed)
-        told = doubts(scene.check())
+        told = scene_warnings(scene.check())
         assert len([one for one in told if one.startswith("connection.push: it has neither")]) == count
 
 
 @pytest.mark.parametrize(("name", "variant"), SOUND)
 def test_scenes_that_come_with_fanfold_are_not_doubted(name, variant):
-    assert doubts(load_scene(find_scene(name), [variant] if variant else [])) == []
+    assert scene_warnings(load_scene(find_scene(name), [variant] if variant else [])) == []
 
 
 def test_travels_are_those_of_the_lines_that_a_loop_joins():
@@ -51,7 +51,7 @@ def test_travels_are_those_of_the_lines_that_a_loop_joins():
 def test_radii_that_do_not_fit_their_travels_are_told():
     """Closed form: 30 mm x 180 deg - 30 mm x 90 deg = 47.1 mm of cable, times 5367 N/m."""
     scene = load_scene(find_scene("amos3"), (), ["ccl.yoke_loop.pulley_1.radius=30 mm"])
-    (sentence,) = doubts(scene)
+    (sentence,) = scene_warnings(scene)
     assert "ccl.yoke_loop: its pulleys do not fit" in sentence
     assert f"up to {1e3 * 0.03 * pi / 2:.3g} mm, {5367 * 0.03 * pi / 2:.3g} N" in sentence
     assert "as 180 to 90" in sentence
@@ -64,7 +64,9 @@ def test_friction_that_gives_way_like_rubber_is_told():
         scene = Scene.load(
             "workbench", settings={f"hinge_line.HL.{key}": value for key, value in keys.items()}
         )
-        told = [one for one in doubts(scene.check()) if "before its friction of 0.005 N.m slides" in one]
+        told = [
+            one for one in scene_warnings(scene.check()) if "before its friction of 0.005 N.m slides" in one
+        ]
         assert len(told) == count
 
 
@@ -80,7 +82,7 @@ def test_a_latch_in_a_closed_loop_needs_its_inertia():
         )
         told = [
             one
-            for one in doubts(Scene.of_tree("loop.toml", tomllib.loads(text + bar)).check())
+            for one in scene_warnings(Scene.of_tree("loop.toml", tomllib.loads(text + bar)).check())
             if "root_line.latch.effective_inertia: bar moves with the line" in one
         ]
         assert len(told) == count
@@ -88,7 +90,7 @@ def test_a_latch_in_a_closed_loop_needs_its_inertia():
 
 def test_a_coefficient_in_per_cent_is_told():
     """Bad input: 12 for 12 %."""
-    (told,) = doubts(load_scene(find_scene("workbench"), (), ["friction.coefficient=12"]))
+    (told,) = scene_warnings(load_scene(find_scene("workbench"), (), ["friction.coefficient=12"]))
     assert "friction.coefficient: is 12" in told
     assert "'12 %'" in told
 
@@ -106,18 +108,18 @@ def test_a_rail_that_rings_under_a_weight_is_told():
             for one in tree["connection"]
         ]
         scene = {**tree, "scene": {**header, **given}, "connection": connections}
-        told = doubts(Scene.of_tree("rig.toml", scene).check())
+        told = scene_warnings(Scene.of_tree("rig.toml", scene).check())
         assert len([one for one in told if "rings under the weight" in one]) == count
     assert rails
 
 
 def test_lines_that_nothing_keeps_are_told(tmp_path):
-    sentences = doubts(load_text(tmp_path, TWO_PANELS))
+    sentences = scene_warnings(load_text(tmp_path, TWO_PANELS))
     assert ["root_line" in sentences[0], "middle_line" in sentences[1]] == [True, True]
     assert "keeps it at 90 deg" in sentences[0]
     kept = TWO_PANELS.replace("hinges = [", LATCH + "hinges = [", 1)
     kept = kept.replace("hinges = [\n", "end_stop = { stiffness = 1e4 }\nhinges = [\n")
-    assert doubts(load_text(tmp_path, kept)) == []
+    assert scene_warnings(load_text(tmp_path, kept)) == []
 
 
 def test_a_loop_without_a_body_between_has_no_travels(tmp_path):
@@ -131,16 +133,16 @@ def test_an_inertia_in_square_millimetres_is_told(tmp_path):
     text = TWO_PANELS.replace("inertia = [0.9, 1.8, 2.7]", "inertia = [0.9e6, 1.8e6, 2.7e6]")
     assert any(
         "body.inner.rigid: its radius of gyration is 581 m" in one
-        for one in doubts(load_text(tmp_path, text))
+        for one in scene_warnings(load_text(tmp_path, text))
     )
 
 
 def test_friction_that_sticks_and_is_none_is_told(tmp_path):
     sticks = TWO_PANELS.replace("hinges = [", LATCH + "presliding = { stiffness = 1e4 }\nhinges = [", 1)
-    (sentence,) = (one for one in doubts(load_text(tmp_path, sticks)) if "presliding" in one)
+    (sentence,) = (one for one in scene_warnings(load_text(tmp_path, sticks)) if "presliding" in one)
     assert "root_line.presliding: there is no friction that could stick" in sentence
     given = sticks.replace("presliding", "friction_preload = 0.1\npresliding")
-    assert not any("presliding" in one for one in doubts(load_text(tmp_path, given)))
+    assert not any("presliding" in one for one in scene_warnings(load_text(tmp_path, given)))
 
 
 @pytest.mark.parametrize(
@@ -159,7 +161,7 @@ def test_friction_beyond_the_motor_is_told(preload, motor, angle):
         f"hinge_line.HL1.{motor}",
         'hinge_line.HL1.harness.resisting_torque=["0 N.m", "0 N.m"]',
     ]
-    sentence = next(s for s in doubts(load_scene(find_scene("amos3"), (), settings)) if "gives" in s)
+    sentence = next(s for s in scene_warnings(load_scene(find_scene("amos3"), (), settings)) if "gives" in s)
     told = float(sentence.partition("at ")[2].partition(" deg")[0])
     assert told == pytest.approx(angle, abs=0.5)  # the places that are looked at
     assert f"hinge_line.HL1: at {told:g} deg its motor gives" in sentence
@@ -173,13 +175,13 @@ def test_a_motor_that_gives_nothing_is_no_less_than_nothing():
         'hinge_line.HL1.motor={ angle = ["0 deg", "30 deg", "60 deg", "90 deg"], torque = [1.1, 0.7, 0, 0] }',
         'hinge_line.HL1.harness.resisting_torque=["0 N.m", "0 N.m"]',
     ]
-    assert not doubts(load_scene(find_scene("amos3"), (), settings))
+    assert not scene_warnings(load_scene(find_scene("amos3"), (), settings))
 
 
 def test_a_table_that_ends_before_the_line_does_is_told():
     """Definition: beyond the table of a motor its torque goes on by the last slope."""
     motor = 'hinge_line.HL1.motor={ angle = ["0 deg", "60 deg"], torque = ["2 N.m", "1.5 N.m"] }'
-    (sentence,) = doubts(load_scene(find_scene("amos3"), (), [motor]))
+    (sentence,) = scene_warnings(load_scene(find_scene("amos3"), (), [motor]))
     assert "hinge_line.HL1.motor: its table ends at 60 deg, and the line goes from 0 to 90 deg" in sentence
 
 
@@ -195,7 +197,7 @@ def test_the_harness_takes_between_its_points_what_it_does_in_a_run():
         'hinge_line.HL1.harness.angle=["0 deg", "30 deg", "90 deg"]',
         'hinge_line.HL1.harness.resisting_torque=["0 N.m", "0 N.m", "2 N.m"]',
     ]
-    sentence = next(s for s in doubts(load_scene(find_scene("amos3"), (), settings)) if "gives" in s)
+    sentence = next(s for s in scene_warnings(load_scene(find_scene("amos3"), (), settings)) if "gives" in s)
     told = float(sentence.partition("at ")[2].partition(" deg")[0])
     reached = brentq(lambda s: 8.0 * s**2 - 2.0 * s**3 - 3.0, 0.0, 1.0)
     late = told - (30.0 + 60.0 * reached)
@@ -219,14 +221,16 @@ def test_a_loop_that_start_angles_leave_open_is_told(digits, count):
             stowed_angle=f"{round(angle, digits)} deg",
         )  # fmt: skip
     scene.connection("top", preset="spherical", ports={"inboard": ("c", "tip"), "outboard": ("d", "tip")})
-    told = [sentence for sentence in doubts(scene.check()) if "start angles leave it open" in sentence]
+    told = [
+        sentence for sentence in scene_warnings(scene.check()) if "start angles leave it open" in sentence
+    ]
     assert len(told) == count
 
 
 def test_a_body_that_slides_along_its_line_is_told():
     """Rule: cylindrical hinges hold nothing along the line; the workbench has one, and the other holds it."""
     key = "hinge_line.HL.hinges.hinge_left.kind=cylindrical"
-    (told,) = doubts(load_scene(find_scene("workbench"), (), [key]))
+    (told,) = scene_warnings(load_scene(find_scene("workbench"), (), [key]))
     assert told.startswith("hinge_line.HL: all its hinges are cylindrical, so panel slides along the line")
 
 
@@ -249,18 +253,20 @@ def test_loops_around_nothing_are_refused(key, sentence):
 def test_strands_stiffer_than_any_cable_are_told():
     """Regression: 1e12 N/m passed without a word, and the run crawled."""
     for stiffness, count in (("1e12 N/m", 1), ("1e7 N/m", 0)):
-        told = doubts(Scene.load("amos3", settings={"ccl.panel_loop.strand_stiffness": stiffness}).check())
+        told = scene_warnings(
+            Scene.load("amos3", settings={"ccl.panel_loop.strand_stiffness": stiffness}).check()
+        )
         assert len([one for one in told if "strand_stiffness: is 1e+12 N/m" in one]) == count
 
 
 def test_a_loop_about_another_axis_is_told():
     """Rule: pulleys lead lines whose axis is theirs, either way round; by default it is y."""
     loop = "ccl.panel_loop.axis=[0.0, 0.0, 1.0]"
-    told = doubts(load_scene(find_scene("amos3"), (), [loop]))
+    told = scene_warnings(load_scene(find_scene("amos3"), (), [loop]))
     assert [
         one for one in told if one.startswith("ccl.panel_loop.axis: its pulleys turn about (0, 0, 1), and HL")
     ]
-    assert doubts(load_scene(find_scene("amos3"), (), [loop.replace("0.0, 1.0", "-1.0, 0.0")])) == []
+    assert scene_warnings(load_scene(find_scene("amos3"), (), [loop.replace("0.0, 1.0", "-1.0, 0.0")])) == []
 
 
 def test_a_motion_that_begins_at_a_rate_after_a_static_search_is_told():
@@ -271,7 +277,7 @@ def test_a_motion_that_begins_at_a_rate_after_a_static_search_is_told():
     }
     for preload, count in ((True, 1), (False, 0)):
         settings = {"base.motion": law, "scene.preload": preload}
-        told = doubts(Scene.load("workbench", settings=settings).check())
+        told = scene_warnings(Scene.load("workbench", settings=settings).check())
         assert len([one for one in told if one.startswith("scene.preload: all starts at rest")]) == count
 
 
@@ -313,7 +319,7 @@ def test_panels_of_impossible_thickness_or_mass_are_told(tmp_path, areal_mass, c
         ('= "left"', '= "in_left"'),
         ('= "right"', '= "in_right"'),
     )
-    sentences = [s for s in doubts(load_text(tmp_path, text)) if s.startswith("body.")]
+    sentences = [s for s in scene_warnings(load_text(tmp_path, text)) if s.startswith("body.")]
     assert [word in sentence for word, sentence in zip(words, sentences, strict=True)] == [True] * len(words)
 
 
@@ -340,7 +346,7 @@ def test_a_cosine_begins_at_rest():
         "base.motion": {"translation": [cosine], "translation_axis": [0, 0, 1]},
         "scene.preload": True,
     }
-    told = doubts(Scene.load("workbench", settings=settings).check())
+    told = scene_warnings(Scene.load("workbench", settings=settings).check())
     assert not [one for one in told if one.startswith("scene.preload: all starts at rest")]
 
 
@@ -360,7 +366,7 @@ def test_spacecraft_in_other_units_are_told(free, sentence):
     """By hand: sqrt(I / m). Regression: bodies alone were looked at."""
     told = [
         one
-        for one in doubts(Scene.load("workbench", settings={"base.free": free}).check())
+        for one in scene_warnings(Scene.load("workbench", settings={"base.free": free}).check())
         if "base.free" in one
     ]
     assert len(told) == (sentence is not None)
@@ -375,7 +381,7 @@ def test_a_stop_before_the_latch_is_told():
         )
         told = [
             one
-            for one in doubts(scene.check())
+            for one in scene_warnings(scene.check())
             if "before its latch at 180 deg, which it reaches only as far" in one
         ]
         assert len(told) == count
@@ -396,7 +402,9 @@ def test_a_stop_before_the_latch_is_told():
 def test_ends_that_nobody_means_are_told(settings, sentence):
     """Regression: tar for a latch, and a stop that a line went through by 800 deg, without a word."""
     told = [
-        one for one in doubts(Scene.load("workbench", settings=settings).check()) if "hinge_line.HL" in one
+        one
+        for one in scene_warnings(Scene.load("workbench", settings=settings).check())
+        if "hinge_line.HL" in one
     ]
     assert len(told) == bool(sentence)
     assert all(sentence in one for one in told)
@@ -418,7 +426,7 @@ def test_rails_that_do_not_guide_are_told(parameters, sentence):
     tree = Scene.load("amos3-ground").tree
     rail = next(one for one in tree["connection"] if one["kind"] == "rail")
     rail["parameters"] |= parameters
-    told = [one for one in doubts(Scene.of_tree("rig.toml", tree).check()) if rail["name"] in one]
+    told = [one for one in scene_warnings(Scene.of_tree("rig.toml", tree).check()) if rail["name"] in one]
     assert len(told) == bool(sentence)
     assert all(sentence in one for one in told)
 
@@ -432,7 +440,9 @@ def test_a_hold_down_that_lets_go_after_the_end_is_told():
         ports["outboard"] = (scene.body("lid", rigid=body, place=place), "b")
         scene.connection("bolt", "hold_down", ports=ports, parameters={"release_time": release})
         told = [
-            one for one in doubts(scene.check()) if "release_time of 3 s comes after the run has ended" in one
+            one
+            for one in scene_warnings(scene.check())
+            if "release_time of 3 s comes after the run has ended" in one
         ]
         assert len(told) == count
 
@@ -440,7 +450,7 @@ def test_a_hold_down_that_lets_go_after_the_end_is_told():
 def test_pulleys_that_turn_against_each_other_are_told():
     """Regression: radii that fit were called not to, and to fit as they were."""
     scene = load_scene(find_scene("amos3"), (), ["hinge_line.HL3.axis=-y"])
-    told = [one for one in doubts(scene) if one.startswith("ccl.panel_loop")]
+    told = [one for one in scene_warnings(scene) if one.startswith("ccl.panel_loop")]
     assert any("they turn in opposite senses against the body between them" in one for one in told)
 
 
@@ -456,7 +466,7 @@ def test_a_base_that_begins_turned_is_told_beside_places_of_the_world(turn, told
     )  # fmt: skip
     ports = {"inboard": (base, "p"), "outboard": (blade, "a")}
     scene.connection("weld", preset="fixed", axes={"x": (1, 0, 0)}, ports=ports)
-    found = [one for one in doubts(scene.check()) if "begins with the base turned by 57.3 deg" in one]
+    found = [one for one in scene_warnings(scene.check()) if "begins with the base turned by 57.3 deg" in one]
     assert len(found) == told
 
 
@@ -475,7 +485,7 @@ def test_elements_longer_than_what_bends_beside_a_rim_are_told():
         scene.body("foil", place={"body": "ground", "point": "o"}, panel=foil | {"element_size": size})
         ports = {"inboard": {"body": "ground", "point": "o"}, "outboard": {"body": "foil", "point": "rim"}}
         scene.connection("fix", preset="fixed", ports=ports)
-        told = [one for one in doubts(scene.check()) if "held rim" in one]
+        told = [one for one in scene_warnings(scene.check()) if "held rim" in one]
         assert len(told) == high
         assert all("are about 2 % high" in one for one in told)
 
@@ -488,5 +498,7 @@ def test_runs_that_are_long_beside_their_largest_step_are_told():
         ({"scene.until": 86400.0}, 1),
         ({"scene.until": 86400.0, "scene.largest_step": 1.0}, 0),
     ):
-        told = [one for one in doubts(wing.with_settings(settings).check()) if "steps at the least" in one]
+        told = [
+            one for one in scene_warnings(wing.with_settings(settings).check()) if "steps at the least" in one
+        ]
         assert len(told) == count
