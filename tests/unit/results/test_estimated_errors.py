@@ -186,12 +186,12 @@ def test_doubts_name_what_is_off_by_ten_tolerances():
     ]
     most = (0.5e-3, 2.0, 0.1, 0.009, 0.5)
     errors = {key: EstimatedError(0.25 * m, m) for (key, _), m in zip(numbers, most, strict=False)}
-    sentences = scene_warnings(numbers, errors, 1e-3)
+    sentences = doubts(numbers, errors, 1e-3)
     assert len(sentences) == 1
     assert "latch torque peak of L1 may be off by 0.02 of its size" in sentences[0]
     assert sentences[0].endswith("a smaller tolerance makes it surer")
-    assert scene_warnings(numbers, errors, 1e-3, fixed_step=True)[0].endswith("a smaller step makes it surer")
-    assert scene_warnings(numbers, errors, None) == []
+    assert doubts(numbers, errors, 1e-3, fixed_step=True)[0].endswith("a smaller step makes it surer")
+    assert doubts(numbers, errors, None) == []
 
 
 def test_the_table_has_the_error_that_the_sentence_tells():
@@ -200,7 +200,7 @@ def test_the_table_has_the_error_that_the_sentence_tells():
     errors = {sure: EstimatedError(1e-4, 4e-4), unsure: EstimatedError(2.1e-4, 4.2)}
     numbers = [(sure, 4.0), (unsure, 42.0)]
     assert tabulated_errors(numbers, errors, 1e-4) == {sure: 1e-4, unsure: 4.2}
-    (sentence,) = scene_warnings(numbers, errors, 1e-4)
+    (sentence,) = doubts(numbers, errors, 1e-4)
     assert "may be off by 0.1 of its largest component" in sentence
     assert tabulated_errors(numbers, errors, None) == {sure: 1e-4, unsure: 2.1e-4}
 
@@ -209,7 +209,7 @@ def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():
     """Convention: 2 % of the largest; one that is touched with a hundredth of that may be off by half of it."""
     hard, soft = ("stop torque peak", "root_stop"), ("stop torque peak", "tip_stop")
     errors = {hard: EstimatedError(40.0, 80.0), soft: EstimatedError(5.0, 20.0)}
-    (sentence,) = scene_warnings([(hard, 4000.0), (soft, 40.0)], errors, 1e-3)
+    (sentence,) = doubts([(hard, 4000.0), (soft, 40.0)], errors, 1e-3)
     assert sentence.startswith(
         "the stop torque peak of root_stop may be off by 0.02 of the largest of all stops"
     )
@@ -232,7 +232,7 @@ def test_loads_of_a_kind_are_doubted_beside_the_largest_in_one_sentence(quantity
     """Convention as for stops. Regression: nothing said that forces of contacts, or at hinges, may be off."""
     keys = [(quantity, name) for name in of]
     errors = {key: EstimatedError(1.0, error) for key, error in zip(keys, most, strict=True)}
-    (sentence,) = scene_warnings(list(zip(keys, values, strict=True)), errors, 1e-3)
+    (sentence,) = doubts(list(zip(keys, values, strict=True)), errors, 1e-3)
     assert sentence.startswith(told)
 
 
@@ -252,7 +252,7 @@ def test_components_of_a_load_are_doubted_in_one_sentence():
     load = "interface force peak"
     numbers = [((load, axis), value) for axis, value in zip("xyz", (1000.0, 0.0, 500.0), strict=True)]
     errors = {(load, "y"): EstimatedError(10.0, 40.0), (load, "z"): EstimatedError(5.0, 20.0)}
-    (sentence,) = scene_warnings(numbers, errors, 1e-3)
+    (sentence,) = doubts(numbers, errors, 1e-3)
     assert sentence.startswith(
         "the interface force peak of y, z may be off by 0.04 of its largest component, more"
     )
@@ -264,7 +264,7 @@ def test_a_component_that_is_round_off_in_both_runs_is_not_doubted():
     numbers = [((load, axis), value) for axis, value in zip("xyz", (500.0, 1e-7, 1000.0), strict=True)]
     errors = {(load, "x"): EstimatedError(5.0, 20.0), (load, "y"): EstimatedError(1e-7, 1e-7)}
     errors[load, "z"] = EstimatedError(400.0, 700.0)
-    (sentence,) = scene_warnings(numbers, beside_their_vector(errors), 1e-3)
+    (sentence,) = doubts(numbers, beside_their_vector(errors), 1e-3)
     assert sentence.startswith("the interface force peak of x, z may be off by 0.7")
 
 
