@@ -31,7 +31,9 @@ def short_repr(cls: C) -> C:
 
 
 def _summary(value: object) -> str:
-    """At most some ten words."""
+    """A few words."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
     if (shape := getattr(value, "shape", None)) is not None and shape:
         return f"<array {' x '.join(map(str, shape))}>"
     if isinstance(value, Mapping):
@@ -40,7 +42,7 @@ def _summary(value: object) -> str:
     if isinstance(value, Sequence) and not isinstance(value, str | bytes):
         plain = all(isinstance(one, int | float | str) for one in value)
         if plain and len(value) <= _NAMED:
-            return _SHORT.repr(value)
+            return f"({', '.join(map(_summary, value))})"
         return f"<{len(value)} {type(value[0]).__name__}>"
     if hasattr(value, "__dataclass_fields__"):
         return f"<{type(value).__name__}>"

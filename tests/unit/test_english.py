@@ -12,8 +12,10 @@ import click
 import pytest
 
 import orchestrator as fanfold
+from components import REGISTRY
 from orchestrator.cli.main import main
 from orchestrator.messages import CODES
+from orchestrator.scene.keys.listing import key_tables
 
 ROOT = Path(__file__).parents[2]
 BANNED = re.compile(
@@ -127,6 +129,18 @@ def test_help():
 def test_python_face():
     """No banned words in public docstrings."""
     found = dict(one for name in fanfold.__all__ for one in docstrings(name))
+    assert {name: banned_in(text) for name, text in found.items() if banned_in(text)} == {}
+
+
+def test_list():
+    """No banned words in what `fanfold list` prints of components and tables of scene files."""
+    found = {kind: inspect.getdoc(component) or "" for kind, component in REGISTRY.items()}
+    for table in key_tables():
+        found |= {
+            table.place: table.meaning,
+            **{f"{table.place}.{key.name}": key.meaning for key in table.keys},
+        }
+    assert len(found) > 250
     assert {name: banned_in(text) for name, text in found.items() if banned_in(text)} == {}
 
 
