@@ -392,7 +392,7 @@ def magnitude_of(load: str) -> str:
 
 
 def _with_magnitudes(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, float]) -> dict[Key, float]:
-    """The errors; a vector's magnitude is off by what its components are off by, as far as they are part of it."""
+    """The errors, and those of vector magnitudes, from the errors of components weighted by their share."""
     found, values = dict(errors), dict(numbers)
     for load in ("interface force peak", "interface torque peak"):
         whole = values.get((magnitude_of(load), ""), 0.0)
@@ -428,7 +428,7 @@ _OF_THE_RUN = {
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
     """Quantity, of, value, unit and estimated error of every headline number as texts.
 
-    Round-off beside the largest of a load's components reads 0; forces that are nothing are left out.
+    Round-off relative to the largest component of a load reads 0; forces that are zero are omitted.
     """
     floors = round_off_floors(found)
     absent = {
@@ -588,6 +588,6 @@ def _supplied_energy(result: Result, until: float) -> float:
 
 
 def _given(time: Vector, energy: Vector, until: float) -> float:
-    """What an energy (J) gained by moving up to a time; it jumps where an event sets a parameter that tells it."""
+    """Gain of an energy (J) due to motion up to a time, without jumps where an event changes a parameter."""
     gained = np.where(np.diff(time) > EVENT_WIDTH, np.diff(energy), 0.0)
     return float(np.interp(until, time, energy[0] + np.concatenate([[0.0], np.cumsum(gained)])))

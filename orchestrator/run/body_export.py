@@ -35,7 +35,7 @@ class ExportedBody:
     modes: int
 
     def to_toml(self) -> str:
-        """The entry of a scene file that has the body from its file, which lies beside it."""
+        """The table of a scene file that imports the body from its file next to it."""
         table: dict[str, object] = {
             "file": self.path.name,
             "attachment_points": dict(self.attachment_points),

@@ -43,7 +43,7 @@ class Checkpoint:
     settled: bool
 
     def write(self, result: Path) -> None:
-        """Into the file beside a result; RunError where it cannot be written."""
+        """Write to the file next to a result; RunError if it cannot be written."""
         snapshot = self.snapshot
         numbers = {
             "format": _FORMAT,
@@ -106,5 +106,5 @@ class Checkpoint:
 
 
 def checkpoint_file(result: Path) -> Path:
-    """The file beside a result."""
+    """The checkpoint file next to a result."""
     return result.with_name(f"{result.name}.checkpoint")

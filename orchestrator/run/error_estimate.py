@@ -110,7 +110,7 @@ def _is_divided(plan: Sequence[Sequence[float]], companion: Outcome) -> bool:
 
 
 def _is_astray(told: Outcome, companion: Outcome) -> bool:
-    """Whether the loads of a companion are beyond all measure of those that are told."""
+    """Whether the loads of a companion are unbounded relative to those of the run."""
     ours, theirs = (
         max((abs(n.value) for n in one.headline.numbers() if n.unit in _LOADS), default=0.0)
         for one in (told, companion)

@@ -24,10 +24,10 @@ _LARGE = 5.0 * _GIGABYTE
 
 
 class FreeSpace:
-    """A watch that tells once that a result grows so that it will not fit, or is large, until the run's end (s).
+    """A watch that warns once if a result will not fit on its disk, or will be large, at the end of the run (s).
 
-    Room is reserved for many rows at a time, so that growth is counted from one such moment to a later one. What is
-    left of the run is expected to grow as it did.
+    Room is reserved for many rows at a time, so growth is measured between two reservations. The rest of the run is
+    expected to grow at the same rate.
     """
 
     def __init__(self, path: Path, end: float, warn: Callable[[str], None], watch: Watch) -> None:

@@ -116,13 +116,13 @@ def refined(
 
 
 def is_too_uncertain(outcome: Outcome, tolerance: float) -> bool:
-    """Whether a number is likely to be off by six tolerances, or one that sizes hinges by ten at the most."""
+    """Whether a likely error exceeds six tolerances, or the largest possible one of a sizing number ten."""
     likely = error_in_tolerances(outcome, tolerance).likely
     return max(likely / _LIKELY, _of_hinges(outcome) / tolerance) > MOST_TOLERANCES
 
 
 def _of_hinges(outcome: Outcome) -> float:
-    """What numbers that size hinges may be off by at the most, as a share of each."""
+    """Largest possible relative error of numbers that size hinges."""
     return largest_shares(_numbers(outcome), estimated_errors(outcome.result), SIZING).most
 
 
@@ -147,7 +147,7 @@ def smaller_tolerance(tolerance: float, error: float, least: float) -> float:
 def _predicted_times(
     assembly: Assembly, outcome: Outcome, finer: Settings, part: float, until: float | None
 ) -> float:
-    """Steps of a run at a part of the tolerance over those of the run, as far as tolerances alone explain them."""
+    """Steps of a run at a fraction of the tolerance over those of the run, if tolerances alone determine them."""
     by_error: float = part ** (-1.0 / outcome.order)
     longest = finer.largest_step * share_of_steps(finer.tolerance)
     return max(by_error, (until or assembly.until) / longest / outcome.costs.steps)
@@ -188,7 +188,7 @@ def _again(
     progress: Progress,
     load: Loader,
 ) -> Outcome:
-    """A run with its estimates in a file beside that of the earlier outcome, whose place it takes in the end."""
+    """A run with its estimates in a temporary file, which replaces that of the earlier outcome in the end."""
     path = outcome.result.path
     end, name = until or assembly.until, f"{assembly.name}: at {settings.tolerance:.2g}"
     asked = {key: text for key, text in outcome.result.provenance.items() if key == SETTINGS}

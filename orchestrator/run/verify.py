@@ -60,9 +60,9 @@ def verify(
     watch: Callable[[float, float], None] = lambda time, h: None,
     load: Loader = as_fmus,
 ) -> list[Verified]:
-    """Run twice more, with the outcome's steps halved and quartered; results stand beside that of the first.
+    """Run twice more, with the outcome's steps halved and quartered; results are written next to that of the first.
 
-    A number that not all three runs have, such as the time of a latch-up near the end, cannot be told.
+    A number that not all three runs have, such as the time of a latch-up near the end, has no error.
     """
     if outcome.master != "implicit":
         raise RunError(f"{assembly.name}: only a run of the implicit master can be verified")

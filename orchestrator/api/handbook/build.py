@@ -41,9 +41,9 @@ MEASURED = {"validation.md": validation_page, "performance.md": performance_page
 
 
 def build(target: Path, gallery: bool) -> None:
-    """Build all pages into a folder; FanfoldError where the extra is missing or Sphinx finds anything wrong.
+    """Build all pages into a folder; FanfoldError if the extra is missing or Sphinx reports a problem.
 
-    gallery: run the examples too, which takes some minutes; they are only there beside the sources.
+    gallery: run the examples too, which takes some minutes; they exist only in a checkout.
     """
     missing = [name for name in _NEEDS if find_spec(name) is None]
     if missing:

@@ -89,7 +89,7 @@ def _anchor(place: str) -> str:
 
 
 def components_page() -> str:
-    """What every component takes and tells: structure, parameters, commands, recorded signals."""
+    """Declarations of every component: structure, parameters, commands, recorded signals."""
     lines = ["# Components and signals", "", _SIGNALS, ""]
     for kind, component in sorted(REGISTRY.items()):
         lines += _component(kind, component)

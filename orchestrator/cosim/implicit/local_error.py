@@ -23,7 +23,7 @@ NO_LOAD = 1e-6
 
 
 class WeightedLoad(NamedTuple):
-    """A torque, or a force, along an axis fixed in a port of a connection, judged beside an energy of its own.
+    """A torque, or a force, along an axis fixed in a port of a connection, weighted by an energy of its own.
 
     connection, port: by number, the port within the connection; row: of its first component in the unknown; axis
     (3,): in the axes of the port, unit length; weight: 1 over (2 effective inertia x energy), 1/(kg.m2.J), or mass.

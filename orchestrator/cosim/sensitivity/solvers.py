@@ -36,7 +36,7 @@ class Solved:
 
 
 class LeadingSolver(NativeSolver):
-    """Tells its neighbours of the steps that it solves."""
+    """Passes the steps that it solves to its neighbours."""
 
     def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
         super().__init__(*arguments)
@@ -63,7 +63,7 @@ class LeadingSolver(NativeSolver):
 
 
 class NeighbourSolver(NativeSolver):
-    """Solves steps beside a leader's, and what events ask for as any other."""
+    """Solves the steps of the nominal run for a neighbour, and its own steps at events."""
 
     def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
         super().__init__(*arguments)

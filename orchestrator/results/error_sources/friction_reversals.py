@@ -52,7 +52,7 @@ def _reversing(frictions: Vector) -> Vector:
 
 
 def _beyond(time: Vector, load: Vector, most: Vector, top: float) -> float:
-    """How far a load may pass a height inside intervals, of which each side tells, by no more than friction makes."""
+    """Excess of a load over a height inside intervals, by extrapolation from both sides, limited by the friction."""
     places = np.flatnonzero((most > 0.0) & (np.maximum(load[:-1], load[1:]) + most > top))
     found = 0.0
     for i in places[(places >= _SIDE - 1) & (places + _SIDE < time.size)].tolist():

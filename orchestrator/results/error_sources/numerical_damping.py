@@ -114,6 +114,6 @@ def _turned(result: Result) -> Vector:
 
 
 def _steps(time: Vector) -> Vector:
-    """The longer one of both steps beside each row."""
+    """The longer one of the two steps adjacent to each row."""
     steps = np.diff(time, prepend=time[0], append=time[-1])
     return np.maximum(steps[:-1], steps[1:])

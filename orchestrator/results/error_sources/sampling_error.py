@@ -91,11 +91,11 @@ def hidden_excess(time: Vector, values: Vector, events: list[float]) -> float:
 
 
 def latching_rate_error(result: Result, line: HingeLine) -> float:
-    """How far a line's torque peak (N.m) moves with the rates at which the angles of its hinges arrive at latch-up.
+    """Change of a line's torque peak (N.m) with the mean rates of its hinges over the last steps before latch-up.
 
-    Without ringing these are the rates themselves, to the second order of the last steps. They matter as far as a
-    hinge still turns at its peak: that of a damper follows the rate, that of a swing comes when it has gone. 0 where
-    other events leave fewer than two steps.
+    Without vibrations these equal the rates, to the second order of the last steps. The change counts only if a hinge
+    still rotates at its peak: a damper torque follows the rate, a spring torque peaks at zero rate. 0 if other events
+    leave fewer than two steps.
     """
     rows = _steps_before(result, latch_times(result)[line.name])
     torque = np.abs(line_latch_torque(result, line))
@@ -131,7 +131,7 @@ def _steps_before(result: Result, at: float) -> list[int]:
 
 
 def judged_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
-    """Signals (N,) whose largest magnitudes a run tells with errors, by headline number."""
+    """Signals (N,) whose peaks are headline numbers with errors, by headline number."""
     times = latch_times(result)
     for line in result.hinge_lines:
         if line.name in times and latch_impulse(result, line, times[line.name]) is None:

@@ -67,6 +67,6 @@ def _largest(time: Vector, heights: Vector, edges: Vector, end: float) -> Vector
 
 
 def _stretches(halves: Vector) -> tuple[Vector, Vector]:
-    """Of every two neighbours the larger, and the largest of these and of what is beside them."""
+    """The larger of every two neighbours, and the largest of these and of adjacent ones."""
     wide = sliding_window_view(np.pad(halves, _BESIDE), 2 * _BESIDE + 2)
     return sliding_window_view(halves, 2).max(axis=1), wide.max(axis=1)
