@@ -181,8 +181,8 @@ def test_all_three_open_alike_and_pictures_follow_the_nodes():
 @pytest.mark.parametrize(
     ("key", "value", "sentence"),
     [
-        ("diameter", 20, r"body.boom.beam: its stiffness is that of a bar of 24.* and it is 2.5 m long"),
-        ("youngs_modulus", 70, r"body.boom.beam: free, it would bend at 0.00063 Hz, as a rope does"),
+        ("diameter", 20, r"body.boom.beam: its stiffness is that of a bar 24.* 2.5 m"),
+        ("youngs_modulus", 70, r"body.boom.beam: .* 0.00063 Hz"),
         ("wall", "0.4 mm", None),
     ],
 )

@@ -68,7 +68,7 @@ def test_damping_rises_over_an_angle(keys, full):
     assert torque == pytest.approx(np.maximum(law, 0.0), abs=1e-2 * law.max())
 
 
-@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+@pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
 @pytest.mark.filterwarnings("ignore:middle_line has no latch and passed")  # told, too
 def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     """It went through its deployed angle without a word."""

@@ -194,8 +194,8 @@ def test_command_tells_what_only_one_has_and_what_was_interrupted(tmp_path):
     result = fanfold(whole, short, "--output", tmp_path)
     assert result.exit_code == 0
     said = result.stdout.splitlines()
-    assert "only a has damper" in said
-    assert "only a has ccl: torque_1" in said
+    assert "only in a: damper" in said
+    assert "only in a: ccl: torque_1" in said
     assert "short was interrupted at 14 s" in said
 
 

@@ -194,7 +194,8 @@ def test_a_preload_that_nothing_resists_is_told():
     ports = {"inboard": {"body": "sat", "point": "bolt"}, "outboard": {"body": "panel", "point": "bolt"}}
     scene.connection("bolt", "hold_down", ports=ports, parameters={"preload": "300 N"})
     with pytest.warns(
-        fanfold.FanfoldWarning, match=r"bolt has 2(\.\d+)? N of its preload of 300 N where the run starts"
+        fanfold.FanfoldWarning,
+        match=r"bolt starts in static equilibrium with 2(\.\d+)? N instead of its preload of 300 N",
     ):
         fanfold.simulate(scene, estimate=False)
 

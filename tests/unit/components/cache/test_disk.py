@@ -92,7 +92,7 @@ def test_folder_that_cannot_be_written(place, tmp_path):
     (own,) = (tmp_path / "tmp").iterdir()
     assert (disk.written_folder(), own.stat().st_mode & 0o777) == (own, 0o700)
     told = disk.unwritable_cache()
-    assert told.startswith(f"the cache {place} cannot be written to, so {own} takes its place; FANFOLD_CACHE")
+    assert told.startswith(f"the cache {place} is not writable, so {own} is used. Set FANFOLD_CACHE")
 
 
 @pytest.mark.parametrize("trap", ["open to others", "link", "file"])
