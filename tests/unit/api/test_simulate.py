@@ -190,7 +190,7 @@ def test_what_is_not_as_it_should_be_is_a_warning():
         }
     )
     with pytest.warns(
-        fanfold.FanfoldWarning, match="root_line has not latched. At 0.1 s it is stuck"
+        fanfold.FanfoldWarning, match=r"root_line has not latched\. At 0\.1 s it is stuck"
     ) as told:
         found = fanfold.simulate(stuck, until=0.1, estimate=False)
     assert told[0].filename == __file__

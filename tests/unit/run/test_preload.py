@@ -195,7 +195,7 @@ def test_a_preload_that_nothing_resists_is_told():
     scene.connection("bolt", "hold_down", ports=ports, parameters={"preload": "300 N"})
     with pytest.warns(
         fanfold.FanfoldWarning,
-        match=r"bolt starts in static equilibrium with 2(\.\d+)? N instead of its preload of 300 N",
+        match=r"bolt starts .* with 2(\.\d+)? N instead of its preload of 300 N",
     ):
         fanfold.simulate(scene, estimate=False)
 
