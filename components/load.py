@@ -31,7 +31,9 @@ _FRAMES = ("world", "body")
 
 
 class _Parameters(NamedTuple):
-    added_force: Annotated[float, tunable("N", "Force in addition to the law, for example of a controller", 0.0)]
+    added_force: Annotated[
+        float, tunable("N", "Force in addition to the law, for example of a controller", 0.0)
+    ]
     added_torque: Annotated[
         float, tunable("N.m", "Torque in addition to the law, for example of a controller", 0.0)
     ]

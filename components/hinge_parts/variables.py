@@ -49,7 +49,9 @@ class Parameters(NamedTuple):
     stowed_angle: Annotated[float, tunable("rad", "Hinge angle of the stowed configuration")]
     motor_stiffness: Annotated[float, tunable("N.m/rad", "Rate of the motorisation spring", 0.0, 0.0)]
     motor_wind_up: Annotated[float, tunable("rad", "Hinge angle at which the motorisation spring is relaxed")]
-    motor_constant_torque: Annotated[float, tunable("N.m", "Constant torque of the motor, in addition to the spring")]
+    motor_constant_torque: Annotated[
+        float, tunable("N.m", "Constant torque of the motor, in addition to the spring")
+    ]
     friction_coefficient: Annotated[
         float, tunable("1", "Coulomb friction of the hinge pin, sliding", 0.0, 0.0)
     ]

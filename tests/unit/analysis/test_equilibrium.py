@@ -320,7 +320,7 @@ def test_tables_leave_out_what_is_none():
     """Round-off (1e-10 N at the base, beside 80 N of the loops) is no load."""
     shown = told(["analyse", "equilibrium", "amos3", "--rigid", "all"])
     assert "base" not in shown
-    assert "loads are left out, zero or below a millionth of the largest" in shown
+    assert "loads are not shown: zero, or below a millionth of the largest" in shown
 
 
 PENDULUM = """

@@ -80,11 +80,11 @@ LATE = {
             "time = 0.2\nset = { root = { latch_command = 1 } }",
             "time = 0.3\nset = { root = { latch_command = 1 } }",
         ),
-        "event b: root_line had latched at 0.2 s already",
+        "event b did not latch root_line: it had latched before, at 0.2 s",
     ),
     "released before": (
         (f"time = 0.2\n{RELEASE}", "time = 0.3\nset = { root = { latch_command = 1 } }"),
-        "event b: root_line was not latched, as its hinges had been released",
+        "event b did not latch root_line: its hinges were released before",
     ),
     "an angle that held it": (
         (

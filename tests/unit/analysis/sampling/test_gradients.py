@@ -130,7 +130,7 @@ def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
     monkeypatch.setattr("orchestrator.analysis.sampling.gradients.headline", scattered)
     found = fanfold.gradients(flap(), [MOTOR, INERTIA])
     assert found.unreliable == ("latch_time.line",)
-    assert "nobody vouches for the derivatives of latch_time.line" in found.warning
+    assert "derivatives of latch_time.line are unreliable" in found.warning
     picture = plot_gradients(found, tmp_path / "unreliable.png")
     plain = plot_gradients(replace(found, errors=0.0 * found.errors), tmp_path / "plain.png")
     assert picture.read_bytes() != plain.read_bytes()

@@ -98,7 +98,7 @@ def test_whole_numbers_and_truth_values_are_signals(controller):
 
 
 @needs_native
-@pytest.mark.filterwarnings("ignore:connection.wheel. it has neither a force")  # the FMU turns another one
+@pytest.mark.filterwarnings("ignore:connection.wheel: .*W-idle-load")  # the FMU turns another one
 def test_fmi_3_and_units(tmp_path):
     """Closed form: the profile of an FMI 3.0 FMU at its communication points; degrees that it is given in radians."""
     structure = {"profile": "step5"}

@@ -115,7 +115,7 @@ def test_a_line_of_several_hinges_is_told(tmp_path):
     joined = {"inputs": {"angle": "HL.motor_torque"}, "outputs": {"torque": "HL.motor_constant_torque"}}
     scene = panel_on_two_hinges(slave(tmp_path), **joined)
     told = [str(one) for one in caught(scene)]
-    assert any("outputs.torque: each of the 2 hinges of HL gets the whole value" in one for one in told)
+    assert any("outputs.torque: each of the 2 hinges of HL gets the full value" in one for one in told)
     assert any("inputs.angle: HL.motor_torque is that of a alone" in one for one in told)
 
 

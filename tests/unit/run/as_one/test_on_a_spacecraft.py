@@ -159,7 +159,7 @@ MESSAGES = {
     "lack the impulses of kinematic latches": lambda wing: changed(
         wing, outputs={"base.interface_force[1]": "wing_x.added_force"}
     ),
-    "those without the wing: HL; let it latch by a spring": locked,
+    "impulses of HL do not include this wing": locked,
 }
 
 
