@@ -174,9 +174,10 @@ def test_every_end_of_a_restart_has_its_verdict():
     lines = [Restart(f"L{k}", 0.0, 1.0, 0.1, **end) for k, end in enumerate(ends.values())]
     run = CaseRestart("base", "25%", Path("run.h5"), lines)
     assert restart_sentences([run])[1:] == [
-        "L3 (base) from 25%: static friction and harness exceed the driving torque by 0.25 N.m, so it cannot start by itself",
-        "L4 (base) from 25%: static friction and harness exceed what drives by 0.5 N.m, so it cannot start by itself; "
-        "that it turned is creep of smooth friction, or the work of what is in no margin, such as gravity or loads",
+        "L3 (base) from 25%: static friction and harness exceed the driving torque by 0.25 N.m, so it cannot start by "
+        "itself",
+        "L4 (base) from 25%: static friction and harness exceed the driving torque by 0.5 N.m, so it cannot start by "
+        "itself; it moved by creep of smooth friction, or gravity and loads, which no margin includes",
     ]
     table = restart_table([run])
     headings = [" ".join(str(column.header).split()) for column in table.columns]
