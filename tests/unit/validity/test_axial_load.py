@@ -47,13 +47,22 @@ def told(scene):
     return [str(one.message) for one in found if "Euler" in str(one.message)]
 
 
-def test_a_pressed_link_is_told_of():
+def test_a_pressed_link_of_first_order_is_told_of():
     """Closed form: pi^2 E I / L^2 between pinned ends."""
-    (sentence,) = told(column(0.5))
+    (sentence,) = told(column(0.5, second_order_modes=0))
     assert sentence.startswith(f"link: pin compresses it with {0.5 * EULER:.4g} N")
-    assert f"50 % of Euler's load between pinned ends ({EULER:.4g} N)" in sentence
+    critical = float(sentence.split(" N), which")[0].split("(")[-1])
+    assert critical == pytest.approx(EULER, rel=2e-3)
 
 
-@pytest.mark.parametrize(("share", "keys"), [(0.01, {}), (-0.5, {}), (0.5, {"second_order_modes": 8})])
+@pytest.mark.parametrize(
+    ("share", "keys"),
+    [
+        (0.01, {"second_order_modes": 0}),
+        (-0.5, {"second_order_modes": 0}),
+        (0.5, {}),
+        (0.5, {"second_order_modes": 8}),
+    ],
+)
 def test_little_or_pulled_or_second_order_is_not(share, keys):
     assert told(column(share, **keys)) == []
