@@ -116,7 +116,7 @@ def test_a_line_of_several_hinges_is_told(tmp_path):
     scene = panel_on_two_hinges(slave(tmp_path), **joined)
     told = [str(one) for one in caught(scene)]
     assert any("outputs.torque: each of the 2 hinges of HL gets the full value" in one for one in told)
-    assert any("inputs.angle: HL.motor_torque is that of a alone" in one for one in told)
+    assert any("inputs.angle: HL.motor_torque is the value of a, one of 2 hinges" in one for one in told)
 
 
 def caught(scene):
