@@ -39,7 +39,7 @@ _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 
 class _Parameters(NamedTuple):
     stiffness: Annotated[float, tunable("N/m", "Stiffness that enforces the distance", 5e7, 0.0)]
-    damping: Annotated[float, tunable("N.s/m", "Damping beside it", 0.0, 0.0)]
+    damping: Annotated[float, tunable("N.s/m", "Damping in parallel with it", 0.0, 0.0)]
     offset: Annotated[float, tunable("m", "Distance where the law is zero")]
     end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
@@ -106,7 +106,7 @@ class _Instant(NamedTuple):
 
 
 class PointMotion(Connection[_Parameters, _State, _Commands]):
-    """Moves the outboard against the inboard port along `axis`, given in the axes of the inboard port, by a law.
+    """Prescribed motion of the outboard relative to the inboard port along `axis`, in axes of the inboard port.
 
     The distance axis . (p_out - p_in) follows `offset` plus the law, see `MotionLaw`, in one direction only, and in
     no rotation. The force acts at the outboard port; its torque on the inboard port is that of the gap. The clock

@@ -1,4 +1,4 @@
-"""A scene looked at before it is run: its problems and doubts, its bodies, lines and loops, and where they stand."""
+"""Check of a scene before its run: problems, warnings, bodies, lines, loops, and sketches."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
 from ..assembly.second_order import second_order_modes
+from ..records import short_repr
 from ..scene import CheckedScene
 from ..scene.bodies import (
     Attachment,
@@ -105,6 +106,7 @@ class Sketch:
     ports: Vector
 
 
+@short_repr
 @dataclass(frozen=True)
 class SceneCheck:
     """A scene before its run; where it has problems there is nothing else, as nobody can tell what is meant."""

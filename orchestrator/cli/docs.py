@@ -37,7 +37,7 @@ from .types import OutputFile
     help="Write the JSON schema of scene files, for editors, and nothing else.",
 )  # fmt: skip
 def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schema: Path | None) -> None:
-    """Open the documents as HTML; the first time builds them, which needs the extra docs."""
+    """Open the documents as HTML. They are built first if necessary, which needs the extra docs."""
     if schema is not None:
         text = json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False)
         schema.write_text(f"{text}\n", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Bodies that joints press towards the load at which their modes of first order would bend out."""
+"""Bodies that joints compress with a large part of the Euler load of their first-order modes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Rows = NDArray[np.float64]
 
 
 def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each body that a joint pressed by 2 % of Euler's load of its modes of first order, or more."""
+    """A sentence for each body that a joint compresses with 2 % of Euler's load of its first-order modes or more."""
     parts = {part.name: part for part in assembly.parts}
     for body in scene.bodies:
         held = dict(holding_points(parts[body.name], assembly)) if body.name in assembly.flexible else {}
@@ -45,16 +45,16 @@ def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result)
         critical = min((way.euler(second) for way in ways), default=np.inf)
         if most > _TOLD * critical:
             yield (
-                f"{body.name}: {joint} presses it by {most:.4g} N along it, at {result.time[row]:.4g} s, "
-                f"{most / critical:.2g} of Euler's load of its modes of first order ({critical:.4g} N), which keep all "
-                f"of their stiffness. {_remedy(body)}"
+                f"{body.name}: {joint} compresses it with {most:.4g} N at {result.time[row]:.4g} s, "
+                f"{100.0 * most / critical:.2g} % of Euler's load of its first-order modes ({critical:.4g} N), which "
+                f"keep their full stiffness. {_remedy(body)}"
             )
 
 
 def _remedy(body: Body) -> str:
     if body.inertia_coupling != "full":
-        return "Let its inertia_coupling be full"
-    return f"Give it more than {body.second_order_modes or 0} second_order_modes"
+        return "Set inertia_coupling to full."
+    return f"Set second_order_modes above {body.second_order_modes or 0}."
 
 
 def _places(part: Part) -> dict[str, Rows]:
@@ -72,9 +72,9 @@ def _pressed(
     middle: Rows,
     result: Result,
 ) -> Rows:
-    """Forces (rows,) of a joint on a body, from where it is (3,) towards the middle of what holds the body (3,).
+    """Forces (rows,) of a joint on a body, from its position (3,) towards the middle (3,) of the points that hold it.
 
-    Zeros on a ground that moves, whose attitude no result has.
+    Zeros on a moving ground, whose attitude results do not contain.
     """
     sides = {link.connection[1]: link.body for link in assembly.links if link.connection[0] == joint}
     inboard, force = parts[sides["inboard"][0]], np.asarray(result.signal(joint, "hinge_force"))

@@ -1,4 +1,4 @@
-"""Flexible bodies of first order on what spins, whose tension stiffens nothing."""
+"""Spinning flexible bodies of first order, which tension does not stiffen."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..scene.schema import CheckedScene
 
 
 def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
-    """A sentence for each flexible body with modes of first order that a motion law of the scene spins so fast.
+    """A sentence for each flexible body with first-order modes that a motion law spins fast.
 
     until: s; by default the end of the scene.
     """
@@ -26,9 +26,9 @@ def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | No
 def unstiffened_rates(
     scene: CheckedScene, assembly: Assembly, rates: Mapping[str, float], how: str = "up to"
 ) -> Iterator[str]:
-    """A sentence for each flexible body with modes of first order that spins so fast.
+    """A sentence for each flexible body with first-order modes that spins fast.
 
-    rates: of bodies by name, rad/s. how: what these are.
+    rates: of bodies by name, rad/s. how: words for these rates.
     """
     bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
@@ -43,5 +43,5 @@ def unstiffened_rates(
             yield (
                 f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, its first mode clamped at a joint is at "
                 f"{first:.3g} rad/s, and tension does not stiffen {modes - second} of its {modes} modes, which are of "
-                "first order. Leave its second_order_modes out, or count all"
+                "first order. Remove second_order_modes, or set it to the number of modes."
             )

@@ -136,6 +136,7 @@ def _settings(source: Path) -> dict[str, Any]:
         "default_role": "code",
         "smartquotes": False,
         "autodoc_typehints": "none",
+        "napoleon_use_ivar": True,
         "myst_heading_anchors": 3,
         "myst_enable_extensions": ["dollarmath"],
         "exclude_patterns": ["examples/**"],

@@ -14,9 +14,12 @@ _PACKAGES = ("components", "fmus", "orchestrator")
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of scene files, for editors that complete keys and check them while one types.
+    """JSON schema (draft 2020-12) of scene files, for completion and checks in editors.
 
-    Every quantity has its SI `unit` beside the words of JSON Schema; every key has its meaning as `description`.
+    Returns
+    -------
+    dict
+        Schema; every quantity has its SI `unit`, every key its meaning as `description`.
     """
     from ...scene.keys.json_schema import scene_schema
 

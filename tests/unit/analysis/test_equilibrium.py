@@ -257,7 +257,7 @@ def test_command(tmp_path):
         (["--sweep", "HL1=1deg:1deg"], "the two angles are the same"),
         (["--sweep", "HL1=0deg:1deg,HL1=0deg:2deg"], "HL1 is swept already"),
         (["--sweep", "HL1=0deg:90"], "the angle of HL1 is '90'; give it with its unit: 90rad or 90deg"),
-        (["--sweep", "HL1=0deg:90deg", "--preload"], "--preload is about one equilibrium"),
+        (["--sweep", "HL1=0deg:90deg", "--preload"], "--preload and --sweep exclude each other"),
         (["--steps", "3"], "--steps acts only together with --sweep"),
         (["--hold", ""], "say all or none"),
         (["--hold", "HL5"], "there is no hinge line 'HL5'"),
@@ -320,7 +320,7 @@ def test_tables_leave_out_what_is_none():
     """Round-off (1e-10 N at the base, beside 80 N of the loops) is no load."""
     shown = told(["analyse", "equilibrium", "amos3", "--rigid", "all"])
     assert "base" not in shown
-    assert "loads are left out, zero or below a millionth of the largest" in shown
+    assert "loads are not shown: zero, or below a millionth of the largest" in shown
 
 
 PENDULUM = """
@@ -354,6 +354,6 @@ def test_a_pendulum_in_a_joint_by_its_preset_has_its_frequency(preset, tmp_path)
     lever, about = 2.0 * 9.81 * 0.6, 0.3 + 2.0 * 0.6**2
     assert 2.0 * pi * found.frequencies[0] == pytest.approx((lever / about) ** 0.5, rel=1e-4)
     with pytest.warns(
-        fanfold.FanfoldWarning, match=r"do not carry 19\.6 N .* free motions are 1 for 0 in equilibrium"
+        fanfold.FanfoldWarning, match=r"as posed, 19\.6 N .* 1 rigid-body modes, and 0 in equilibrium"
     ):
         assert 2.0 * pi * fanfold.modes(path, as_posed=True).frequencies[0] > 100.0

@@ -279,7 +279,7 @@ def test_a_frequency_that_no_spring_reaches_is_told():
 def test_the_command_tunes_the_wing():
     run = CliRunner().invoke(main, ["analyse", "latch-tuning", "workbench", "--line", "HL", "--wing"])
     assert run.exit_code == 0, run.output
-    assert "N.m/rad give the rigid wing" in run.output
+    assert "N.m/rad the rigid wing has" in run.output
     refused = ["analyse", "latch-tuning", "workbench", "--line", "HL", "--wing", "--stiffness-of", "total"]
     assert CliRunner().invoke(main, refused).exit_code == 2
 

@@ -51,7 +51,7 @@ def test_wait_is_that_of_the_decay(offset):
     assert found.motion_ends == pytest.approx(END, abs=1e-3)
     assert found.largest == pytest.approx(LARGEST + offset, rel=1e-3)
     assert expected - np.pi / RATE - 1e-3 < found.wait < expected + 1e-3
-    assert f"wait {found.wait:.3g} s from then" in found.sentence(6.0)
+    assert f"{found.wait:.3g} s later" in found.sentence(6.0)
 
 
 def test_a_run_too_short_to_tell_says_so():
@@ -60,7 +60,7 @@ def test_a_run_too_short_to_tell_says_so():
     for until in (1.5, END + 1.03 * (ends - END)):
         (found,) = quiet(swinging(until))
         assert found.wait is None
-        assert "it still swings by" in found.sentence(until)
+        assert "it still vibrates by" in found.sentence(until)
 
 
 def test_nothing_is_told_without_a_law_or_before_its_end():

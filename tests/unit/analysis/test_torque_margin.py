@@ -367,7 +367,7 @@ def test_command_shows_a_table(tmp_path):
     result = fanfold(bepicolombo(tmp_path), "--positions", 2, "--output", tmp_path / "out")
     assert result.exit_code == 3
     for text in (
-        "each times its uncertainty factor",
+        "times their uncertainty factors",
         "ECSS-E-ST-33-01C, 4.7.5.3",
         "2.194",
         "1.755",

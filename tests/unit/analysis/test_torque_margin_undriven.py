@@ -115,8 +115,8 @@ def test_every_line_without_a_motor_says_what_turns_it():
 def test_sentences_name_lines_once_and_cases_where_they_differ():
     cases = {"base": {"A": "x", "B": "x", "C": "y"}, "cold": {"A": "x", "B": "x"}}
     assert sentences_without_margin(cases) == [
-        "A, B have no margin of their own: x",
-        "C (base) has no margin of its own: y",
+        "A, B have no margin: x",
+        "C (base) has no margin: y",
     ]
 
 
@@ -153,7 +153,7 @@ def test_nothing_resists_in_words():
 
 def test_the_command_tells_of_lines_without_margin():
     shown = fanfold("bepicolombo", "--positions", "2")
-    assert "HL1 has no margin of its own: no motor, drive or cable loop" in " ".join(shown.split())
+    assert "HL1 has no margin: no motor, drive or cable loop" in " ".join(shown.split())
     assert max(map(len, shown.splitlines())) <= 80
     content = json.loads(fanfold("bepicolombo", "--positions", "2", "--json"))
     assert [(row["case"], row["line"]) for row in content["without_margin"]] == [
@@ -174,9 +174,10 @@ def test_every_end_of_a_restart_has_its_verdict():
     lines = [Restart(f"L{k}", 0.0, 1.0, 0.1, **end) for k, end in enumerate(ends.values())]
     run = CaseRestart("base", "25%", Path("run.h5"), lines)
     assert restart_sentences([run])[1:] == [
-        "L3 (base) from 25%: static friction and harness exceed what drives by 0.25 N.m, so it cannot start by itself",
-        "L4 (base) from 25%: static friction and harness exceed what drives by 0.5 N.m, so it cannot start by itself; "
-        "that it turned is creep of smooth friction, or the work of what is in no margin, such as gravity or loads",
+        "L3 (base) from 25%: static friction and harness exceed the driving torque by 0.25 N.m, so it cannot start by "
+        "itself",
+        "L4 (base) from 25%: static friction and harness exceed the driving torque by 0.5 N.m, so it cannot start by "
+        "itself; it moved by creep of smooth friction, or gravity and loads, which no margin includes",
     ]
     table = restart_table([run])
     headings = [" ".join(str(column.header).split()) for column in table.columns]

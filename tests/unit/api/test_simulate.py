@@ -19,7 +19,7 @@ from orchestrator.results.result import ResultError
 from tests.references import synthetic_result
 from tests.unit.scene.scene_cases import SCENES
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+pytestmark = pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
 
 WING = SCENES / "two_panels.toml"
 
@@ -179,7 +179,7 @@ def test_a_data_frame_has_every_signal(latched, monkeypatch):
         latched.to_dataframe()
 
 
-@pytest.mark.filterwarnings("ignore:.*or something else drives it")  # as is told before the run, too
+@pytest.mark.filterwarnings("ignore:.*W-motor-short")  # as is told before the run, too
 def test_what_is_not_as_it_should_be_is_a_warning():
     """Here friction exceeds the motor's torque; the warning points at the line that ran the scene."""
     stuck = fanfold.load(WING).with_settings(
@@ -190,12 +190,12 @@ def test_what_is_not_as_it_should_be_is_a_warning():
         }
     )
     with pytest.warns(
-        fanfold.FanfoldWarning, match="root_line has not latched; at 0.1 s it is stuck"
+        fanfold.FanfoldWarning, match=r"root_line has not latched\. At 0\.1 s it is stuck"
     ) as told:
         found = fanfold.simulate(stuck, until=0.1, estimate=False)
     assert told[0].filename == __file__
     said = [str(one.message) for one in told]
-    assert "friction and harness take 5 N.m" in said[0]  # of the scene, before the run
+    assert "friction and harness, 5 N.m" in said[0]  # of the scene, before the run
     assert list(found.warnings) == said
 
 
@@ -250,7 +250,7 @@ def test_verification_of_a_run(result):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rows = {row.number.quantity: row for row in result.verify()}
-    assert rows["motor energy"].error < 1e-2 * rows["motor energy"].number.value
+    assert rows["motor work"].error < 1e-2 * rows["motor work"].number.value
     with pytest.raises(fanfold.FanfoldError, match="only the result of a run of this session"):
         fanfold.Result.of(result).verify()
 

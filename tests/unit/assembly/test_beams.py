@@ -11,7 +11,7 @@ from components import REGISTRY, Instance
 from orchestrator.analysis.scene_check import check_scene
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError
-from orchestrator.validity.before_run import doubts
+from orchestrator.validity.before_run import scene_warnings
 from orchestrator.views.shapes import placed
 from tests.unit.scene.scene_cases import parts_of
 
@@ -181,14 +181,14 @@ def test_all_three_open_alike_and_pictures_follow_the_nodes():
 @pytest.mark.parametrize(
     ("key", "value", "sentence"),
     [
-        ("diameter", 20, r"body.boom.beam: its stiffness is that of a bar of 24.* and it is 2.5 m long"),
-        ("youngs_modulus", 70, r"body.boom.beam: free, it would bend at 0.00063 Hz, as a rope does"),
+        ("diameter", 20, r"body.boom.beam: its stiffness is that of a bar 24.* 2.5 m"),
+        ("youngs_modulus", 70, r"body.boom.beam: .* 0.00063 Hz"),
         ("wall", "0.4 mm", None),
     ],
 )
 def test_units_mistyped(key, value, sentence):
     """Closed form: a thin tube of diameter d has sqrt(12 EI / EA) = d sqrt(3 / 2); 4.73^2 sqrt(EI / m L^4) / 2 pi."""
-    told = doubts(boom().with_settings({f"body.boom.beam.tube.{key}": value}).check())
+    told = scene_warnings(boom().with_settings({f"body.boom.beam.tube.{key}": value}).check())
     beams = [one for one in told if one.startswith("body.boom")]
     assert len(beams) == (sentence is not None)
     if sentence is not None:
@@ -213,11 +213,11 @@ def test_a_beam_beyond_its_range_is_a_sentence_and_keeps_its_rows(tmp_path):
 def test_analyses_and_exports_say_what_they_leave_out(tmp_path):
     """Messages: linear analyses take beams as modal bodies; exports start them without load; no stresses of sheets."""
     scene = boom(fidelity="large_deformation")
-    with pytest.warns(fanfold.FanfoldWarning, match="analyses take boom as modal"):
+    with pytest.warns(fanfold.FanfoldWarning, match="boom.*W-modes-omitted"):
         found = fanfold.modes(scene)
     assert found.frequencies == pytest.approx(fanfold.modes(boom()).frequencies, rel=1e-12)
     preloaded = scene.with_settings({"scene.preload": True})
-    with pytest.warns(fanfold.FanfoldWarning, match="start without load, though preload bends them: boom"):
+    with pytest.warns(fanfold.FanfoldWarning, match="boom.*W-export"):
         fanfold.export(preloaded, tmp_path, wrench_mode="mean")
     with pytest.warns(fanfold.FanfoldWarning):
         result = fanfold.simulate(scene, until=0.001, estimate=False)

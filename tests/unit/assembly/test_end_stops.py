@@ -68,7 +68,7 @@ def test_damping_rises_over_an_angle(keys, full):
     assert torque == pytest.approx(np.maximum(law, 0.0), abs=1e-2 * law.max())
 
 
-@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+@pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
 @pytest.mark.filterwarnings("ignore:middle_line has no latch and passed")  # told, too
 def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     """It went through its deployed angle without a word."""
@@ -98,7 +98,7 @@ def test_a_line_that_folds_back_is_told_of():
         latch_angle="90 deg", motor={"stowed": "30.00003 N.m", "deployed": "30 N.m"},
         latch={"kind": "spring", "stiffness": 4e3, "damping_ratio": 0.02},
     )  # fmt: skip
-    with pytest.warns(fanfold.FanfoldWarning, match="HL folded back by"):
+    with pytest.warns(fanfold.FanfoldWarning, match="HL folded back .*W-folded-back"):
         result = fanfold.simulate(scene, estimate=False)
     back = result.headline.folded_back["HL"]
     assert 8 * 9.81 * 0.8 * sin(back.value) == pytest.approx(30.0 * back.value, rel=1e-3)
@@ -127,9 +127,9 @@ def test_a_line_goes_as_far_into_its_stop_as_its_motor_presses():
 @pytest.mark.parametrize(
     ("motor", "stop", "told"),
     [
-        (None, {"stiffness": 2e4}, "HL has not come to its end stop at 90 deg: it went to 80.00 deg"),
+        (None, {"stiffness": 2e4}, r"HL has not come to its end stop at 90 deg \(largest angle 80.00 deg\)"),
         ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 2e4}, ""),
-        ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 0.1}, "HL went .* deg beyond its end stop"),
+        ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 0.1}, "HL moved .* deg beyond its end stop"),
     ],
 )
 def test_a_line_that_its_stop_does_not_end_is_told(motor, stop, told):
@@ -162,9 +162,9 @@ def test_a_line_that_nothing_ends_and_that_stays_short_is_told(motor):
     sentences = list(found.open_ends())
     assert len(sentences) == bool(motor)
     assert all(
-        one.startswith("HL has not come to its deployed angle of 90 deg: it went") for one in sentences
+        one.startswith("HL has not come to its deployed angle of 90 deg (largest angle") for one in sentences
     )
-    (stands,) = (number for number in found.numbers() if number.quantity == "angle at the end, no latch")
+    (stands,) = (number for number in found.numbers() if number.quantity == "final angle, no latch")
     assert (stands.of, stands.value) == ("HL", found.short_of_deployed["HL"].last)
 
 

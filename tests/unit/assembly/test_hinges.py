@@ -86,7 +86,7 @@ def test_a_measured_latch_that_is_not_followed_is_told():
     scene = Scene.load("bepicolombo").check()
     (sentence,) = unfollowed_curves(scene, set())
     assert "hinge_line.HL2.latch.measured" in sentence
-    assert "a spring of 2217 N.m/rad does instead" in sentence
+    assert "a spring of 2217 N.m/rad acts instead" in sentence
     assert not list(unfollowed_curves(scene, {body.name for body in scene.bodies}))
 
 

@@ -358,7 +358,7 @@ def test_fmu_that_cannot_roll_back(tmp_path):
     )
     assert (outcome.master, outcome.order) == ("gauss-seidel", 2)
     assert len(warnings) == 1
-    assert "brake cannot return to a saved state" in warnings[0]
+    assert "brake cannot restore a saved state" in warnings[0]
     implicit = run(
         assembly,
         tmp_path / "implicit.h5",

@@ -194,7 +194,8 @@ def test_a_preload_that_nothing_resists_is_told():
     ports = {"inboard": {"body": "sat", "point": "bolt"}, "outboard": {"body": "panel", "point": "bolt"}}
     scene.connection("bolt", "hold_down", ports=ports, parameters={"preload": "300 N"})
     with pytest.warns(
-        fanfold.FanfoldWarning, match=r"bolt has 2(\.\d+)? N of its preload of 300 N where the run starts"
+        fanfold.FanfoldWarning,
+        match=r"bolt starts .* with 2(\.\d+)? N instead of its preload of 300 N",
     ):
         fanfold.simulate(scene, estimate=False)
 
@@ -281,7 +282,7 @@ def test_what_is_held_in_the_search_alone_bears_nothing_in_the_run():
         ports={"inboard": {"body": "ground", "point": "o"}, "outboard": {"body": "arm", "point": "p"}},
     )  # fmt: skip
     run = fanfold.simulate(scene, estimate=False)
-    assert any("no equilibrium where loads let pin turn" in one for one in run.warnings)
+    assert any("no static equilibrium while pin can turn" in one for one in run.warnings)
     assert run.headline.interface_torque_peaks[1] < 1e-6 * 9.81
     # the springs of its joint have not moved yet, which the search leaves under its weight
     assert run["ground", "interface_force"][0, 2] == pytest.approx(-2.0 * 9.81, rel=1e-4)

@@ -50,7 +50,7 @@ def told(scene):
 def test_a_pressed_link_of_first_order_is_told_of():
     """Closed form: pi^2 E I / L^2 between pinned ends."""
     (sentence,) = told(column(0.5, second_order_modes=0))
-    assert sentence.startswith(f"link: pin presses it by {0.5 * EULER:.4g} N along it")
+    assert sentence.startswith(f"link: pin compresses it with {0.5 * EULER:.4g} N")
     critical = float(sentence.split(" N), which")[0].split("(")[-1])
     assert critical == pytest.approx(EULER, rel=2e-3)
 

@@ -37,7 +37,7 @@ motor = { stowed = 0.001, deployed = 0.001 }
 
 
 @pytest.mark.parametrize("backend", ["native", "python"])
-@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+@pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
 def test_it_is_told_where_the_line_has_folded(tmp_path, backend):
     """Closed form: an arm along its line falls like a pendulum from the horizontal, to 180 deg on the other side."""
     scene, path = tmp_path / "soft.toml", tmp_path / "soft.h5"

@@ -195,7 +195,7 @@ def _itself(folder):
 
 
 BROKEN = {
-    r"job\.mas \(mass\) is not there; it belongs beside job\.sti": _no_mass,
+    r"job\.mas \(mass\) is missing; put it next to job\.sti": _no_mass,
     r"job\.sti: has 72 rows, and 73 degrees of freedom are listed": _too_many_freedoms,
     r"sub\.mtx: has no mass \(\*MATRIX, TYPE=MASS\)": _substructure_without_mass,
     r"sub\.mtx: has 2 elements": _two_elements,

@@ -12,7 +12,7 @@ from tests.unit.run.as_one.host import STACK, TWO_PANELS, Host, latching
 
 pytestmark = [
     pytest.mark.skipif(native_library() is None, reason="a scene as one FMU is native"),
-    pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop"),  # nothing stops it
+    pytest.mark.filterwarnings("ignore:.*W-no-end"),  # nothing stops it
 ]
 SAME = 1e-9
 """Of numbers that both masters come to by the same steps, whose iterations end at 1e-6 of the tolerance."""

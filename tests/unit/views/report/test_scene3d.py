@@ -196,13 +196,13 @@ def test_what_cannot_be_shown_is_told(result, flexible, monkeypatch):
     assert any("does not hold its scene" in one for one in seen(result).remarks)
     monkeypatch.setattr(bodies.Room, "takes", lambda self, rows: False)
     told = seen(flexible)
-    assert "No stress of panel is shown, as the page would be too large" in told.remarks
+    assert "Stress of panel is not shown, because the page would be too large" in told.remarks
     assert told.stress_tolerance == 0.0
     broken = np.array(flexible.signal("panel", "frame_position"))
     broken[3, 0] = np.nan
     wild = replace(flexible, _signals={**flexible._signals, ("panel", "frame_position"): broken})
     told = seen(wild)
-    assert "panel is not shown in space, as its motion is not finite" in told.remarks
+    assert "panel is not in the 3-D view, because its motion is not finite" in told.remarks
     assert "panel" not in [one["name"] for one in told.data["results"][0]["bodies"]]
 
 

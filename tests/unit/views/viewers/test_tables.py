@@ -135,7 +135,7 @@ def test_what_cannot_be_written_is_told(path, tmp_path):
     kept.write_text("mine", encoding="utf-8")
     assert "ends with .csv" in told(path, "--out", tmp_path / "a.mat", "--format", "csv")
     assert "there is no format 'step'" in told(path, "--out", tmp_path / "a.csv", "--format", "step")
-    assert "its ending tells no format" in told(path, "--out", tmp_path / "a.step")
+    assert "its suffix is of no known format" in told(path, "--out", tmp_path / "a.step")
     assert "exists already" in told(path, "--out", kept)
     assert "no signal matches 'door'" in told(path, "--out", tmp_path / "a.csv", "--signals", "door")
     assert "more than 10000000" in told(path, "--out", tmp_path / "a.csv", "--every", "1e-9")
