@@ -59,7 +59,7 @@ def door(friction):
     return scene
 
 
-@pytest.mark.filterwarnings("ignore:.*or something else drives it")  # which is the point
+@pytest.mark.filterwarnings("ignore:.*W-motor-short")  # which is the point
 def test_a_door_that_friction_holds_does_not_move_in_300_seconds():
     """Without static equilibrium: friction begins with what the motor asks for, and no force shows at the start."""
     with pytest.warns(fanfold.FanfoldWarning, match="HL has not latched"):
@@ -70,8 +70,8 @@ def test_a_door_that_friction_holds_does_not_move_in_300_seconds():
     assert result["left", "friction_torque"][:] == pytest.approx(-1.0)
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # held by friction
-@pytest.mark.filterwarnings("ignore:.*or something else drives it")  # which is the point
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # held by friction
+@pytest.mark.filterwarnings("ignore:.*W-motor-short")  # which is the point
 def test_a_wing_that_friction_holds_does_not_move_after_its_static_equilibrium():
     """AMOS-3 with 50 N.m in each line: friction takes over what the holds of the static search carry, cables included.
 

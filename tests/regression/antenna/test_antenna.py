@@ -15,7 +15,7 @@ from orchestrator.views.motion.histories import overlays
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:membrane bent by"),  # asserted once
+    pytest.mark.filterwarnings("ignore:membrane.*W-linear-plate"),  # asserted once
 ]
 
 TRAVEL = {(): 1.176, ("without_spacers",): 1.176, ("diagonal",): 0.9996}

@@ -107,7 +107,7 @@ def test_it_closes_through_a_full_turn():
     assert np.abs(result["scene", "energy_residual"][:]).max() < 1e-4 * work
 
 
-@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # it latches by a command
+@pytest.mark.filterwarnings("ignore:.*W-no-end")  # it latches by a command
 def test_a_line_latches():
     """Closed form: as the third line reaches its latch, the second is where the first, at the same angle, puts it."""
     angle = np.radians(60.0)

@@ -19,7 +19,7 @@ from orchestrator.results.result import ResultError
 from tests.references import synthetic_result
 from tests.unit.scene.scene_cases import SCENES
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+pytestmark = pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
 
 WING = SCENES / "two_panels.toml"
 
@@ -34,7 +34,7 @@ def latched(tmp_path_factory):
     return fanfold.Result.open(synthetic_result.write(tmp_path_factory.mktemp("r") / "synthetic.h5"))
 
 
-@pytest.mark.filterwarnings("ignore:two_panels. the interface force peak")  # both tell it
+@pytest.mark.filterwarnings("ignore:two_panels.*W-")  # both tell it
 def test_terminal_and_face_are_one(result, tmp_path):
     """Same numbers: the command line and `simulate` give the same headline, bit for bit."""
     arguments = ["run", str(WING), "--until", "0.2", "--output", str(tmp_path / "a.h5"), "--json"]
@@ -179,7 +179,7 @@ def test_a_data_frame_has_every_signal(latched, monkeypatch):
         latched.to_dataframe()
 
 
-@pytest.mark.filterwarnings("ignore:.*or something else drives it")  # as is told before the run, too
+@pytest.mark.filterwarnings("ignore:.*W-motor-short")  # as is told before the run, too
 def test_what_is_not_as_it_should_be_is_a_warning():
     """Here friction exceeds the motor's torque; the warning points at the line that ran the scene."""
     stuck = fanfold.load(WING).with_settings(

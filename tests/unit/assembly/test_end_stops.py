@@ -68,8 +68,8 @@ def test_damping_rises_over_an_angle(keys, full):
     assert torque == pytest.approx(np.maximum(law, 0.0), abs=1e-2 * law.max())
 
 
-@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
-@pytest.mark.filterwarnings("ignore:middle_line has no latch and passed")  # told, too
+@pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
+@pytest.mark.filterwarnings("ignore:middle_line.*W-no-end")  # told, too
 def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     """It went through its deployed angle without a word."""
     (tmp_path / "wing.toml").write_text(TWO_PANELS, encoding="utf-8")
@@ -86,7 +86,7 @@ def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     assert any(row.quantity == "largest angle, no latch" for row in result.headline.numbers())
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_a_line_that_folds_back_is_told_of():
     """A pendulum let go beside its motor swings back to where the work of both is none; nothing said so.
 

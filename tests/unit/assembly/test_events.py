@@ -39,7 +39,7 @@ def test_lines_stand_for_their_hinges_and_sensors(tmp_path):
     )
 
 
-@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+@pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
 def test_a_command_latches_a_line(tmp_path):
     """Definition: the latch command of one hinge latches its line, wherever it stands, and once."""
     latch = "[[hinge_line]]\nname = 'root_line'\nlatch = { stiffness = 2000, effective_inertia = 5 }"
@@ -100,7 +100,7 @@ LATE = {
 }
 
 
-@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")
+@pytest.mark.filterwarnings("ignore:.*W-no-end")
 @pytest.mark.parametrize("name", LATE)
 def test_what_came_too_late_is_told(name, tmp_path):
     """Bad input. Regression: an event that did nothing was recorded as if it had."""

@@ -26,7 +26,7 @@ def simulated(scene):
     return fanfold.simulate(scene, estimate=False)
 
 
-@pytest.mark.filterwarnings("ignore:.*nothing keeps it at 180 deg")
+@pytest.mark.filterwarnings("ignore:.*W-no-end")
 @pytest.mark.parametrize("held", [True, False], ids=["held", "free"])
 def test_the_spacecraft_takes_up_thrust_beside_its_interface_loads(held):
     """Angular momentum of the spacecraft alone, about its centre of mass, by its own inertia and rate."""
@@ -43,7 +43,7 @@ def test_the_spacecraft_takes_up_thrust_beside_its_interface_loads(held):
     assert rate[-1] @ inertia == pytest.approx(np.trapezoid(change, time, axis=0), rel=2e-3, abs=2e-3)
 
 
-@pytest.mark.filterwarnings("ignore:.*nothing keeps it at 180 deg")
+@pytest.mark.filterwarnings("ignore:.*W-no-end")
 @pytest.mark.parametrize("base", [{}, SHAKEN], ids=["ground", "shaken"])
 def test_thrust_on_what_does_not_give_way_changes_no_load(base):
     """Independent way: the same wing without a thruster, on a base whose motion nothing changes."""
@@ -55,7 +55,7 @@ def test_thrust_on_what_does_not_give_way_changes_no_load(base):
     assert np.abs(found.signal("sc", "thruster.interface_force")).max() > 30.0
 
 
-@pytest.mark.filterwarnings("ignore:.*nothing keeps it at 180 deg")
+@pytest.mark.filterwarnings("ignore:.*W-no-end")
 def test_what_a_thruster_puts_in_is_no_energy_of_motors():
     """Balance: motors give what they do, and the thruster its own work. Regression: one number told both as motors'."""
     result = simulated(pushed(FREE, held=False))

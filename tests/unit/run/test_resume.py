@@ -16,7 +16,7 @@ from orchestrator.run.run import RunError
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop"),  # nothing stops it
+    pytest.mark.filterwarnings("ignore:.*W-no-end"),  # nothing stops it
 ]
 TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
 

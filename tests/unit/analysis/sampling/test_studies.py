@@ -33,7 +33,7 @@ from orchestrator.run.errors import InterruptedRunError
 from orchestrator.run.simulation import Options
 from tests.unit.scene.scene_cases import SCENES
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+pytestmark = pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
 
 ROOT = Path(__file__).parents[4]
 WING = SCENES / "two_panels.toml"

@@ -87,7 +87,7 @@ def test_bodies_are_where_the_result_has_them(result, found):
     assert found.tolerance < 1e-3
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_a_finer_mesh_takes_the_same_motion(flexible, plate):
     """Corners of the panel are nodes of both meshes."""
     (body,) = [one for one in plate.data["results"][0]["bodies"] if one["name"] == "panel"]

@@ -14,7 +14,7 @@ from orchestrator.analysis.stress.model import body_stress
 from orchestrator.views.placement import placed
 from tests.references import synthetic_result as reference
 
-pytestmark = pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+pytestmark = pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 
 TIMES = [0.0, 0.03, 0.05]
 
