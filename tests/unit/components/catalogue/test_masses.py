@@ -136,7 +136,7 @@ def test_masses_are_part_of_the_cache(tmp_path, monkeypatch):
     [
         ((("middle", 0.4),), "'middle'.*hl1, hl2_left, hl2_right, guide"),
         ((("guide", -0.4),), "-0.4 kg"),
-        ((("guide", 0.0),), " 0 kg"),
+        ((("guide", 0.0),), r"\b0(\.0)? kg"),
         ((("guide", float("nan")),), "nan kg"),
     ],
 )
@@ -152,7 +152,7 @@ def test_impossible_masses(masses, told):
 
 def test_unknown_entry():
     """The message lists the entries."""
-    with pytest.raises(ComponentError, match="'moon'.*amos3_yoke, amos3_panel2"):
+    with pytest.raises(ComponentError, match=r"'moon'.*amos3_yoke, amos3_panel2"):
         catalogue.entry("moon").finite_elements()
 
 

@@ -42,9 +42,7 @@ def test_it_is_told_where_the_line_has_folded(tmp_path, backend):
     """Closed form: an arm along its line falls like a pendulum from the horizontal, to 180 deg on the other side."""
     scene, path = tmp_path / "soft.toml", tmp_path / "soft.h5"
     scene.write_text(SOFT, encoding="utf-8")
-    with pytest.raises(
-        fanfold.FanfoldError, match=r"pin at t = .*17\d deg"
-    ) as caught:
+    with pytest.raises(fanfold.FanfoldError, match=r"pin at t = .*17\d deg") as caught:
         fanfold.simulate(scene, save=path, backend=backend, tolerance=1e-3, estimate=False)
     assert "cross_stiffness" in str(caught.value)
     assert len(fanfold.Result.open(path).time) > 10

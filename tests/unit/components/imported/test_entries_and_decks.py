@@ -65,9 +65,7 @@ def test_parts_placed_elsewhere_are_refused(tmp_path, place, refused):
     )
     files = files | {"coordinates": deck}
     if refused:
-        with pytest.raises(
-            ComponentError, match=r"job\.inp: line \d+: '0\., 10\., 0\.'"
-        ):
+        with pytest.raises(ComponentError, match=r"job\.inp: line \d+: '0\., 10\., 0\.'"):
             imported(files).data()
     else:
         np.testing.assert_allclose(imported(files).data().coordinates, DATA.coordinates, atol=1e-9)

@@ -265,7 +265,7 @@ def test_rows_that_rigid_motions_stress_are_a_sentence(tmp_path):
     data = _with_rows()
     rows = np.roll(data.outputs.rows, 1, axis=1)
     write_npz(tmp_path / "frame.npz", replace(data, outputs=replace(data.outputs, rows=rows)))
-    with pytest.raises(ComponentError, match="rigid motions.*row"):
+    with pytest.raises(ComponentError, match=r"rigid motions.*row"):
         imported(tmp_path / "frame.npz").model()
 
 

@@ -213,9 +213,7 @@ def test_a_superelement_that_we_write_is_read_back_in_full_and_by_what_nastran_k
     np.testing.assert_allclose(found.coordinates, data.coordinates, atol=1e-8)
     np.testing.assert_allclose(found.recovery.coordinates, data.recovery.coordinates, atol=1e-6)
     (tmp_path / "wing.op4").write_bytes((PAIR / "inboard.op4").read_bytes())
-    with pytest.raises(
-        ComponentError, match=r"46 .*wing\.op4.*32 rows"
-    ):
+    with pytest.raises(ComponentError, match=r"46 .*wing\.op4.*32 rows"):
         read_superelement(path)
 
 
