@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
-PROSE = re.compile(r"(?<![\w.])[A-Za-z]{2,}(?: [A-Za-z]{2,}){2,}")
+PROSE = re.compile(r"(?<![\w.])[A-Za-z]{2,}(?: [A-Za-z]{2,}){2,}(?!\w)")
 """Three words or more with a blank between; of a whole value that is equal, five: names of key figures have three."""
-SENTENCE = re.compile(r"(?<![\w.])[A-Za-z]{2,}(?: [A-Za-z]{2,}){4,}")
+SENTENCE = re.compile(r"(?<![\w.])[A-Za-z]{2,}(?: [A-Za-z]{2,}){4,}(?!\w)")
 PATTERNS = ("filterwarnings", "re.search", "re.match", "re.fullmatch", ".startswith", ".endswith")
 BAR = 40
 
@@ -37,7 +37,7 @@ def compared(tree: ast.AST) -> Iterator[tuple[ast.AST, re.Pattern[str]]]:
             if ast.unparse(node.func).endswith(PATTERNS):
                 yield from ((argument, PROSE) for argument in (*node.args, *node.keywords))
         elif isinstance(node, ast.Compare):
-            if isinstance(node.ops[0], ast.In | ast.NotIn):
+            if isinstance(node.ops[0], ast.In | ast.NotIn) and not isinstance(node.left, ast.Tuple):
                 yield node.left, PROSE
             elif isinstance(node.ops[0], ast.Eq | ast.NotEq):
                 yield node, SENTENCE
@@ -60,24 +60,56 @@ def values(function: ast.FunctionDef, names: set[str]) -> Iterator[ast.AST]:
             yield node.value
 
 
+def values_of_compared(function: ast.FunctionDef) -> list[ast.AST]:
+    """Expressions that names in comparisons stand for, and those that names in these stand for."""
+    names: set[str] = set().union(*(names_of(part) for part, sought in compared(function) if sought is PROSE))
+    while True:
+        found = list(values(function, names))
+        more = names.union(*map(names_of, found))
+        if more == names:
+            return found
+        names = more
+
+
+def texts(tree: ast.AST) -> Iterator[ast.Constant]:
+    """Strings within an expression, without the keys of tables, which name cases."""
+    if isinstance(tree, ast.Constant) and isinstance(tree.value, str):
+        yield tree
+    for part in tree.values if isinstance(tree, ast.Dict) else ast.iter_child_nodes(tree):
+        yield from texts(part)
+
+
 def names_of(tree: ast.AST) -> set[str]:
-    """Names within an expression."""
-    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    """Names within an expression, without those of places in a table."""
+    if isinstance(tree, ast.Name):
+        return {tree.id}
+    parts = [tree.value] if isinstance(tree, ast.Subscript) else ast.iter_child_nodes(tree)
+    return set().union(*map(names_of, parts))
 
 
 def pinned(source: str) -> dict[tuple[int, int], str]:
     """Prose that a file compares messages with, by line and column."""
     tree = ast.parse(source)
     expressions = list(compared(tree))
+    tables = {
+        name: node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign)
+        for name in names_of(node.targets[0])
+    }
     for function in ast.walk(tree):
         if isinstance(function, ast.FunctionDef):
-            names = set().union(*(names_of(part) for part, sought in compared(function) if sought is PROSE))
-            expressions += ((value, PROSE) for value in values(function, names))
+            for part in values_of_compared(function):
+                expressions.append((part, PROSE))
+                for name in names_of(part) & tables.keys():
+                    table = tables[name]
+                    of_keys = isinstance(part, ast.Name) and isinstance(table, ast.Dict)
+                    expressions += ((one, PROSE) for one in (table.keys if of_keys else [table]))
     return {
         (node.lineno, node.col_offset): node.value
         for expression, sought in expressions
-        for node in ast.walk(expression)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and sought.search(node.value)
+        for node in texts(expression)
+        if "\n" not in node.value and sought.search(node.value)
     }
 
 

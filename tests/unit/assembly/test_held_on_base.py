@@ -40,7 +40,7 @@ FREE = {"free": {"mass": 60.0, "inertia": (9.0, 11.0, 8.0), "center_of_mass": (0
 
 def test_the_spacecraft_takes_up_the_impulse_of_its_interface_loads():
     """Momentum: what the interface force adds up to is that of the spacecraft alone, whose mass is known."""
-    with pytest.warns(fanfold.FanfoldWarning, match="nothing keeps it at 180 deg"):
+    with pytest.warns(fanfold.FanfoldWarning, match="180 deg.*W-no-end"):
         result = fanfold.simulate(wing(FREE, held=True), estimate=False)
     time, force = result.time, result.signal("sc", "interface_force")
     turn, rate = result.signal("sc", "frame_orientation"), result.signal("sc", "attitude_rate")
@@ -95,5 +95,5 @@ def test_a_response_at_low_frequency_is_that_of_the_whole_mass():
 
 
 def test_a_driven_base_refuses_what_it_would_carry(tmp_path):
-    with pytest.raises(RunError, match="sc carries bodies by held hinge lines"):
+    with pytest.raises(RunError, match=r"sc .*fixed"):
         fanfold.export(wing({}, held=True), tmp_path, as_one=True, driven_base=True)

@@ -139,7 +139,7 @@ def test_table_shows_every_number(found):
     console = Console(width=120, record=True)
     console.print(*headline_tables(found, every=True))
     text = console.export_text()
-    assert "latch torque peak" in text
+    assert "latch torque" in text
     assert "8.200000" in text
 
 
@@ -157,7 +157,7 @@ def test_motor_energy_says_until_when(found):
     def until(headline):
         return next(of for quantity, of, *_ in headline_rows(headline) if quantity == "motor energy")
 
-    assert until(found) == "up to the last latch-up"
+    assert until(found).endswith("latch-up")
     assert until(replace(found, latch_times={})) == "over the run"
 
 
@@ -266,11 +266,9 @@ def test_a_run_whose_hinges_bend_says_so():
         {"joint.cross_stiffness": 0.5, "scene.gravity": [0.0, 3.0, 0.0], "hinge_line.middle_line.held": True}
     )
     found = fanfold.simulate(scene, until="1.5 s", tolerance=1e-3, estimate=False, refine=False).headline
-    (sentence,) = [told for told in found.open_ends() if "bent across" in told]
-    assert (
-        f"root_line bent across their line by up to {np.degrees(found.bent['root_line'].value):.0f} deg"
-        in sentence
-    )
+    (sentence,) = [told for told in found.open_ends() if "W-bent" in told]
+    assert "root_line" in sentence
+    assert f" {np.degrees(found.bent['root_line'].value):.0f} deg" in sentence
 
 
 def test_motor_energy_is_what_was_given_whatever_an_event_sets():

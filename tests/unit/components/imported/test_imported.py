@@ -155,15 +155,15 @@ def _not_a_number(data):
 
 
 BROKEN = {
-    "stiffness matrix is not symmetric": _unsymmetric,
-    "rigid motions cost energy": _grounded,
-    "mass: 1 values are not finite": _not_a_number,
-    "1 nodes of the matrices have no coordinates, the first is 5": lambda d: replace(
+    "stiffness.*symmetric": _unsymmetric,
+    "rigid motions.*energy": _grounded,
+    "mass: 1 values.*finite": _not_a_number,
+    "1 nodes .* 5": lambda d: replace(
         d, nodes=np.delete(d.nodes, 4), coordinates=np.delete(d.coordinates, 4, axis=0)
     ),
-    "degrees of freedom are listed, and the matrices have": lambda d: replace(d, dofs=d.dofs[:-2]),
-    "the mass matrix is": lambda d: replace(d, mass=d.mass[:-6, :-6]),
-    "the file is hardly in them": lambda d: replace(
+    "of freedom .*listed": lambda d: replace(d, dofs=d.dofs[:-2]),
+    "mass matrix": lambda d: replace(d, mass=d.mass[:-6, :-6]),
+    "kg/m3": lambda d: replace(
         transformed(
             d, sparse.csr_array(sparse.diags_array(np.where(d.dofs[:, 1] <= 3, 1e-3, 1.0))), d.dofs
         ),
@@ -187,13 +187,11 @@ def _as_reduced(change):
 
 
 FOREIGN = {
-    "mass samples: their mass differs from that of the mass matrix by 1 of it": lambda d: replace(
-        d, samples=replace(d.samples, masses=2.0 * d.samples.masses)
-    ),
-    "sample_positions or sample_displacement do not belong to it": lambda d: replace(
+    "mass samples: .*by 1 ": lambda d: replace(d, samples=replace(d.samples, masses=2.0 * d.samples.masses)),
+    "sample_positions .*sample_displacement": lambda d: replace(
         d, samples=replace(d.samples, positions=d.samples.positions + np.array((5.0, 0.0, 0.0)))
     ),
-    "does not move with rigid motions as its place says": lambda d: replace(
+    "rigid motions.*place": lambda d: replace(
         d, recovery=replace(d.recovery, coordinates=d.recovery.coordinates[::-1])
     ),
 }
