@@ -112,7 +112,8 @@ def step_force(
         damping=damping / (stiffness * h),
     )
     z = within(deflection, r.limit)
-    if abs(change) + abs(moment) <= _STILL * r.limit and abs(z) >= _NEAR * r.limit:
+    holds = abs(z) <= r.limit + min(r.growth, 0.0)
+    if abs(change) + abs(moment) <= _STILL * r.limit and abs(z) >= _NEAR * r.limit and holds:
         r = r._replace(limit=abs(z), growth=0.0)
     force = force_slope = 0.0
     heat = 0.5 * (deflection * deflection - z * z)

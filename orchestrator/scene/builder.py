@@ -75,10 +75,13 @@ class Scene:
         return found
 
     @classmethod
-    def of_tree(cls, file: str, tree: Tree) -> Self:
-        """The scene that a result or a study has kept, whose plugins are not loaded; file: what problems name it by."""
+    def of_tree(cls, file: str, tree: Tree, *, of_result: bool = False) -> Self:
+        """The scene of tables as a scene file holds them; file: its name in problems.
+
+        of_result: a result or a study kept the tables, so the plugins and files that they name are not trusted.
+        """
         found = cls.__new__(cls)
-        found._begin(Layers(file, tree, {}, frozenset()), of_result=True)
+        found._begin(Layers(file, tree, {}, frozenset()), of_result=of_result)
         return found
 
     def _begin(self, layers: Layers, of_result: bool = False) -> None:

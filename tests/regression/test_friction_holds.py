@@ -147,7 +147,8 @@ def test_the_command_says_which_line_is_stuck_and_why(tmp_path):
     for motor, code in (("0.1 N.m", 3), ("0.4 N.m", 0)):
         path = door((motor, motor), "0.2 N.m", until="20 s").save(tmp_path / "door.toml")
         found = CliRunner().invoke(
-            main, ["run", str(path), "--no-estimate", "--json", "--output", str(tmp_path / "r.h5")]
+            main,
+            ["run", str(path), "--no-estimate", "--json", "--replace", "--output", str(tmp_path / "r.h5")],
         )
         assert found.exit_code == code
         content = json.loads(found.stdout)

@@ -89,7 +89,8 @@ static inline Presliding step_force(double stiffness, double damping, real frict
                  2.0 * friction_slope / stiffness, damping / (stiffness * h)};
     real from = 0.0, z = within(deflection, r.limit);
     const double most = value_of(r.limit);
-    if (fabs(value_of(change)) + fabs(value_of(moment)) <= NO_MOTION * most && fabs(value_of(z)) >= NEAR_FRICTION * most) {
+    const int holds = fabs(value_of(z)) <= most + fmin(value_of(r.growth), 0.0);
+    if (fabs(value_of(change)) + fabs(value_of(moment)) <= NO_MOTION * most && fabs(value_of(z)) >= NEAR_FRICTION * most && holds) {
         r.limit = value_of(z) < 0.0 ? -z : z;
         r.growth = 0.0;
     }

@@ -173,6 +173,6 @@ def asked_of(task: Task, plan: Plan) -> dict[str, Any]:
 
 
 def _task_of(asked: Asked) -> Task:
-    scene = Scene.of_tree(asked["file"], asked["tree"])
+    scene = Scene.of_tree(asked["file"], asked["tree"], of_result=True)
     options = Options(**asked["options"])
     return Task(scene, options, asked["estimate"], tuple(asked["signals"]), asked["points"])

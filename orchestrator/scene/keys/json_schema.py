@@ -31,7 +31,9 @@ def scene_schema() -> Schema:
     definitions = _definitions()
     loose = {f"{name}{_CHANGE}": _loosened(one) for name, one in definitions.items()}
     parts = _parts("")
-    variant = {"type": "object", "properties": _parts(_CHANGE), "additionalProperties": False}
+    dropped = {"const": True, "description": "Drops the variant of that name that an extended scene has."}
+    properties = {**_parts(_CHANGE), "remove": dropped}
+    variant = {"type": "object", "properties": properties, "additionalProperties": False}
     root: Schema = {
         "extends": {
             "type": "string",

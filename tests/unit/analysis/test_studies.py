@@ -74,7 +74,7 @@ def test_what_cannot_be_studied_is_told(tmp_path, name, arguments, code, sentenc
 def test_changes_have_plain_numbers_at_the_studied_values(tmp_path, monkeypatch):
     """Interface: ticks at what was studied, and at least two on the other axis."""
     drawn = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, _: drawn.append(figure))
+    monkeypatch.setattr(Figure, "savefig", lambda figure, _, **options: drawn.append(figure))
 
     def case(value, peak):
         found = SimpleNamespace(latch_times={"HL": 1.0}, latch_torque_peaks={"HL": peak})

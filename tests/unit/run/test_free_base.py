@@ -122,7 +122,7 @@ def numbers(result):
 def test_native_and_python_agree():
     """Independent implementations of the record, of attitude and of loads, over 20 steps that iterate to 1e-9."""
     native, python = (
-        run(wing(30.0, "0.1 s"), 1e-9, step="5 ms", backend=backend) for backend in ("native", "python")
+        run(wing(30.0, "0.04 s"), 1e-9, step="2 ms", backend=backend) for backend in ("native", "python")
     )
     for name in native.variables("base"):
         found, expected = native["base", name][:], python["base", name][:]

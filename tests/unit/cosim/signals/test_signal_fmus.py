@@ -253,7 +253,7 @@ def test_what_an_fmu_warns_of_is_told_once(tmp_path):
     with pytest.warns(fanfold.FanfoldWarning) as heard:
         fanfold.simulate(controlled(file), estimate=False)
     told = [str(one.message) for one in heard if "warned" in str(one.message)]
-    assert told == ["craft: controller: at t = 0.15 s it warned: near its limit"]
+    assert told == ["craft: controller: at t = 0.15 s it warned: near its limit [W-fmu]"]
 
 
 def test_an_fmu_that_hangs_is_ended(tmp_path):

@@ -310,9 +310,7 @@ def test_a_driven_base_is_stable_over_steps_in_any_order(tmp_path):
 def test_what_a_wing_as_one_fmu_cannot_give_is_told(tmp_path):
     """Impulses of locks are no load of an instant; an equilibrium is that of the values at export."""
     locked = latching().with_settings({"hinge_line.HL.latch.kind": "kinematic"})
-    with pytest.warns(
-        fanfold.FanfoldWarning, match="impulse of a kinematic latch is not in the interface loads"
-    ):
+    with pytest.warns(fanfold.FanfoldWarning, match="W-export"):
         exported(locked, tmp_path, driven_base=True)
     described = fmpy.read_model_description(str(exported(latching(preload=True), tmp_path)))
     started = [v.description for v in described.modelVariables if ".initial_velocity" in v.name]
