@@ -118,7 +118,7 @@ def test_an_iterated_wing_is_the_wing_built_in(tmp_path, fmi):
     assert turned == pytest.approx(exact, abs=5e-4 * np.max(np.abs(exact)))
 
 
-@pytest.mark.filterwarnings("ignore:latching. the impulse of a kinematic latch")
+@pytest.mark.filterwarnings("ignore:latching.*W-export")
 def test_an_iterated_wing_gives_the_impulse_of_its_lock(tmp_path):
     """A load of no length, in what the base's impulse grows by: the attitude is that of the whole scene, and stays."""
     whole = fanfold.simulate(on_light_spacecraft("kinematic"), until=0.52, tolerance=1e-6, estimate=False)
@@ -154,12 +154,12 @@ def locked(wing):
 
 
 MESSAGES = {
-    "held over a step, which is unstable where it is heavy": lambda wing: mounted(wing, "5 ms"),
-    "without which its base lags": lambda wing: changed(wing, parameters={}),
-    "which lack the impulses of kinematic latches": lambda wing: changed(
+    "over a step.*W-fmu-wing": lambda wing: mounted(wing, "5 ms"),
+    "lags.*W-fmu-wing": lambda wing: changed(wing, parameters={}),
+    "kinematic.*W-fmu-wing": lambda wing: changed(
         wing, outputs={"base.interface_force[1]": "wing_x.added_force"}
     ),
-    "those without the wing: HL; let it latch by a spring": locked,
+    "HL.*W-fmu-wing": locked,
 }
 
 
@@ -171,7 +171,7 @@ def test_what_a_wing_does_not_get_is_told(wing, words):
 
 def test_a_fixed_step_beside_an_iterated_wing_is_refused(wing):
     """Regression: lateral loads of 0.3 N grew by half with every step of 10 ms, to 7 kN, and nothing was told."""
-    with pytest.raises(fanfold.FanfoldError, match="at a fixed one loads may grow without end"):
+    with pytest.raises(fanfold.FanfoldError, match="without end"):
         fanfold.simulate(mounted(wing, "5 ms", iterated=True), step=0.005)
 
 
