@@ -92,7 +92,7 @@ class _Trial(NamedTuple):
 
 
 class Beam(Component):
-    """A beam through nodes, straight or curved, that may bend by any amount but not by more than 60 deg an element.
+    """Geometrically exact beam through nodes, straight or curved; at most 60 deg of bending per element.
 
     nodes: one mapping per node, from end to end, with `position` (3, m) and `orientation` (quaternion of the section,
     x along the beam), construction frame. section: the fields of `beam_parts.variables.Section`. ports: one mapping per

@@ -88,13 +88,13 @@ class _Constants:
 
 
 class Body(Component):
-    """A rigid or flexible body with ports at attachment points, nodes, or offsets from either.
+    """Rigid or flexible body with ports at attachment points, nodes, or offsets from either.
 
     modal: fields of `ModalData`. ports: one mapping per port with `name`, `point` (a point of the modal
     data), optional `offset` (3, m, body axes, a rigid arm) and `orientation` (quaternion of the port in the
     body's construction axes). inertia_coupling: which invariants vary with deformation; "rigid" and
     "constant" keep the undeformed inertia (they coincide for mean axes), "partial" drops I5 and I9. is_base: a rigid
-    body that is the spacecraft, which tells its attitude and, see `Interface`, the loads at its ports. carried: fields
+    body that is the spacecraft; it records its attitude and the loads at its ports, see `Interface`. carried: fields
     of `Carried`, of that part of its mass that its loads include, as it is none of it.
     """
 

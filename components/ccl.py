@@ -116,7 +116,7 @@ class _Constants(NamedTuple):
 
 
 class CableLoop(Connection[_Parameters, _State, _Commands]):
-    """Synchroniser between pulley 1 (port `pulley_1`, fixed to body 1) and pulley 2 (`pulley_2`, body 3).
+    """Closed cable loop between pulley 1 (port `pulley_1`, fixed to body 1) and pulley 2 (`pulley_2`, body 3).
 
     axis: pulley axis in the axes of both pulley ports. guided: cables are led along body 2, which then has
     a third port `guide` and takes the torque -(T1 + T2); otherwise the strands run free and the difference

@@ -80,7 +80,7 @@ class _Observations(NamedTuple):
 
 
 class Contact(Connection[_Parameters, _State, Impulse]):
-    """A point of the outboard body, its port, against a plane fixed to the inboard port.
+    """Contact between the outboard port, a point, and a plane fixed to the inboard port.
 
     normal: direction in the axes of the inboard port along which the outboard body is pushed away. The
     plane is `gap` along the normal from the inboard port; the penetration is gap - normal . (p_out - p_in).

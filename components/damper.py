@@ -36,7 +36,7 @@ class _Observations(NamedTuple):
 
 
 class EddyCurrentDamper(AxialConnection[_Parameters, _State, Impulse]):
-    """Brakes the turning of the outboard against the inboard port about `axis`, given in the axes of both."""
+    """Eddy-current damper: resists the rotation rate between its ports about `axis`, in the axes of both ports."""
 
     kind, noun, axis_of = "eddy_current_damper", "damper", "the damper's axis"
     parameters, states = Record(_Parameters), Record(_State)

@@ -83,7 +83,7 @@ class PlateDrag(Connection[_Parameters, _State, Impulse]):
     """Drag of a plate in the x-y plane of its port, from `start` to `end` along x and `width` across.
 
     The air is at rest in world axes. The mean wrench follows from the mean velocities of a step, so its work is
-    never positive, and is what is dissipated.
+    never positive; it is the dissipated energy.
     """
 
     kind, noun, port_names, order = "drag", "air drag", ("body",), 2

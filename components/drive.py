@@ -190,11 +190,11 @@ class _Instant(NamedTuple):
 
 
 class Drive(AxialConnection[_Parameters, _State, _Commands]):
-    """Turns the outboard against the inboard port about the axis as commanded, through a gearbox.
+    """Rotary drive with a gearbox: rotates the outboard relative to the inboard port about `axis`, as commanded.
 
     axis: direction in the axes of both ports. profile: "step" or "step5", see `MotionLaw`; or "commanded", where the
     angle follows `end_angle`, which is set in mid-run, with the time constant `duration`. The other five
-    directions belong to a hinge beside the drive, whose stiffness about the axis is zero. The clock starts at
+    directions belong to a parallel hinge, whose stiffness about the axis is zero. The clock starts at
     zero, when the scene does, and stands still while `hold` is 1. The motor's work is its torque times the
     change of the commanded angle.
     """

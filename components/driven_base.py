@@ -121,7 +121,7 @@ def _rotation(rate: Vector3, acceleration: Vector3, change: Vector3, t: float) -
 
 
 class DrivenBase(Component):
-    """Spacecraft as ports of one rigid frame whose accelerations change at rates that are inputs, held over a step.
+    """Spacecraft as a rigid frame driven by inputs: its accelerations change at rates that are constant over a step.
 
     The frame starts at rest at the world's origin, upright. ports: one mapping per port with `name`, `position` (3, m)
     and optional `orientation` (quaternion), in the axes of the frame. Interface loads are in these axes, in sum about

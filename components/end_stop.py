@@ -108,7 +108,7 @@ class _Constants(NamedTuple):
 
 
 class EndStop(AxialConnection[_Parameters, _State, _Commands]):
-    """Pushes the outboard against the inboard port back about `axis`, given in the axes of both.
+    """Rotational end stop: resists rotation beyond `stop_angle` about `axis`, in the axes of both ports.
 
     The hinge angle grows with the right-handed turn of the outboard port about the axis; from `stop_angle` on the
     torque is that of a spring, with damping that rises from nothing by a cubic step and never pulls. From a failure on

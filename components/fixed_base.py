@@ -19,10 +19,10 @@ _UPRIGHT = np.eye(3)
 
 
 class FixedBase(Component):
-    """Ports that never move, whatever slopes their wrenches have, and the loads they carry.
+    """Fixed spacecraft: ports that do not move, and the loads that they carry.
 
     ports: one mapping per port with `name`, `position` (3, m, world axes) and optional `orientation`
-    (quaternion), `outside` where what acts there is no interface load. Interface loads are told in sum about
+    (quaternion), `outside` where what acts there is no interface load. Interface loads are recorded in sum about
     `reference` (3, m) and by port, see `PortLoads`. carried: fields of `Carried`, of bodies joined to it, whose weight
     by gravity (3, m/s2) is part of the sum.
     """

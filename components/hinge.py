@@ -68,7 +68,7 @@ _FOLDED = (
 
 
 class Hinge(Connection[Parameters, State, Commands]):
-    """A hinge between an inboard and an outboard port.
+    """Hinge between an inboard and an outboard port, with motor, harness, friction and latch.
 
     axis: direction of the hinge line in the axes of both ports when they coincide; the hinge angle grows
     with the right-handed rotation of the outboard port about it. harness_angle, harness_torque: table of

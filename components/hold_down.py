@@ -114,13 +114,13 @@ class _Instant(NamedTuple):
 
 
 class HoldDown(Connection[_Parameters, _State, _Commands]):
-    """Holds the outboard on the inboard port by springs along the three inboard axes, in no rotation.
+    """Hold-down: springs along the three inboard axes between both ports until release; free in rotation.
 
     axis: direction of the preload in the axes of the inboard port. Displacements count from the ports' offset at
     the start, less the initial displacement of a scene that starts in equilibrium; there the force on the outboard port
     is the preload against the axis: the bolt pulls it inboard. The
     release comes at the start of a step whose command says so, or at the end of the step that reaches the release
-    time; that step is held throughout, so a master should end one there, as the time to the break tells. The bolt
+    time; that step is held throughout, so a master should end a step there, see the time to the break. The bolt
     keeps the elastic energy of that instant as heat. The clock starts at zero, when the scene does, and stands
     still while `hold` is 1.
     """

@@ -64,7 +64,7 @@ class _Constants(NamedTuple):
 
 
 class Load(Connection[_Parameters, _State, _Commands]):
-    """A force through the port along `direction` and a torque about it, each by a motion law over time (N, N.m).
+    """Force along `direction` and torque about it at a port, each by a law over time (N, N.m).
 
     frame: "world" for a direction that stays, "body" for one in the axes of the port that turns with it. force,
     torque: terms, see `MotionLaw`; they may be left out. What is added to them may be set in mid-run. The clock starts

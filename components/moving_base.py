@@ -23,7 +23,7 @@ _OWN = 3
 
 
 class MovingBase(Component):
-    """Ports of one rigid frame whose motion nothing resists, and what that motion takes.
+    """Base with prescribed motion: ports of one rigid frame, and the loads and work that the motion needs.
 
     Where the laws are zero the frame is at `position` (3, m) with `orientation` (quaternion). From there it is shifted
     along `translation_axis` by the law `translation` (m) and turned about `rotation_axis`, through its own point

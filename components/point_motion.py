@@ -101,7 +101,7 @@ class _Instant(NamedTuple):
 
 
 class PointMotion(Connection[_Parameters, _State, _Commands]):
-    """Moves the outboard against the inboard port along `axis`, given in the axes of the inboard port, by a law.
+    """Prescribed motion of the outboard relative to the inboard port along `axis`, in axes of the inboard port.
 
     The distance axis . (p_out - p_in) follows `offset` plus the law, see `MotionLaw`, in one direction only, and in
     no rotation. The force acts at the outboard port; its torque on the inboard port is that of the gap. The clock

@@ -183,7 +183,7 @@ class _Instant(NamedTuple):
 
 
 class Rail(Connection[_Parameters, _State, Impulse]):
-    """Guides the trolley port in the plane through its place at the start, at its orientation there.
+    """Rail: guides the trolley port in the plane through its start position, without rotation.
 
     A scene that starts in equilibrium has an initial offset and turn from there.
 

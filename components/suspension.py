@@ -66,7 +66,7 @@ class _Instant(NamedTuple):
 
 
 class Suspension(Connection[_Parameters, _State, Impulse]):
-    """Hangs the lower port on the upper one: a force along the line between their origins, no torque.
+    """Suspension of the lower from the upper port: a force along the line between them, without torque.
 
     Its tension is the preload at the preload length, and grows with the stiffness. The mean force over a step
     is the discrete gradient of the energy in the length: with the centre lines d0 and d1 at both ends it is

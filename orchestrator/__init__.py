@@ -1,11 +1,17 @@
-"""Fanfold from Python: deployable space structures as co-simulations of FMI components.
+"""Fanfold: simulate deployable space structures as coupled FMI components.
 
     import orchestrator as fanfold
 
-    result = fanfold.simulate("amos3", rigid="all")
-    result.latch_times
+    scene = fanfold.load("amos3")                       # built-in scene, or the path of a scene file
+    print(fanfold.check_scene(scene).warnings)          # probable mistakes
+    result = fanfold.simulate(scene, rigid="all")       # deploy the wing
+    print(result.latch_times, result.warnings)          # s, and problems to act on
+    fanfold.report(result, "amos3.html")
 
-Everything that is meant to be used stands here by name and is imported when it is first asked for.
+`load` and `simulate` are all that a first run needs; `help(fanfold.simulate)` lists the options. `Scene` builds scenes
+in code, `Result` has signals, headline numbers and figures. `study`, `tune` and `gradients` vary parameters; `modes`,
+`equilibrium`, `torque_margin` and further functions analyse a scene, `stress` and `impacts` a result. `export` writes
+FMUs. Errors are `FanfoldError`, warnings `FanfoldWarning`. Names are imported at first use.
 """
 
 from __future__ import annotations

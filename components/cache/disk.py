@@ -56,8 +56,8 @@ def unwritable_cache() -> str:
     chosen, place = folder(), written_folder()
     if place == chosen:
         return ""
-    instead = "everything is computed every time" if place is None else f"{place} takes its place"
-    return f"the cache {chosen} cannot be written to, so {instead}; FANFOLD_CACHE names another folder"
+    instead = "nothing is cached" if place is None else f"{place} is used"
+    return f"the cache {chosen} is not writable, so {instead}. Set FANFOLD_CACHE to a writable folder."
 
 
 def users_folder() -> Path | None:

@@ -93,7 +93,7 @@ def _moving(data: FiniteElementData, name: str, node: int) -> tuple[Vector, Spar
     if not {1, 2, 3} <= own.keys():
         raise ComponentError(
             f"node {name}: node {node} does not move by itself in all three directions; where a rigid element or a "
-            "mean has it, take its point, or a node beside it"
+            "mean determines it, use its point, or a node next to it"
         )
     rows = sparse.lil_array((6, len(data.dofs)))
     for component, dof in own.items():

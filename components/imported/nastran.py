@@ -166,7 +166,7 @@ def _own(path: Path, known: Mapping[str, Any], dofs: Integers) -> FiniteElementD
 def _beside(path: Path, ending: str) -> Path:
     found = path.with_suffix(ending)
     if not found.is_file():
-        raise ComponentError(f"{found.name}: is not there; it belongs beside {path.name}")
+        raise ComponentError(f"{found.name}: is missing; put it next to {path.name}")
     return found
 
 

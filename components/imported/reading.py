@@ -77,7 +77,7 @@ def _of_calculix(path: Path, further: Mapping[str, Path]) -> dict[str, Path]:
     lost = [f"{part.name} ({name})" for name, part in found.items() if not part.is_file()]
     if lost:
         raise ComponentError(
-            f"{', '.join(lost)} is not there; it belongs beside {path.name}, or is given by its key"
+            f"{', '.join(lost)} is missing; put it next to {path.name}, or name it by its key"
         )
     return found
 

@@ -22,6 +22,7 @@ from components.hinge import Hinge
 from ..assembly.statics.configuration import Configuration, free_lines, hinges_of, lines_named, placed
 from ..assembly.statics.equilibrium_search import settle
 from ..assembly.statics.mechanism import Mechanism
+from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.builder import Names
 from ..scene.locked_groups import joined
@@ -42,6 +43,7 @@ class Sweep(NamedTuple):
     end: float
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Equilibrium:
     """One equilibrium: angles (rad) and holding torques (N.m, opening) of lines, loads of connections, base load."""

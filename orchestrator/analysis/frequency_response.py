@@ -16,6 +16,7 @@ from components.contract.component import Vector
 
 from ..assembly.statics.configuration import Configuration
 from ..assembly.statics.linear_model import LinearModel, modal_damping, normal_modes
+from ..records import short_repr
 from ..scene import SceneError
 from .vibration import DIRECTIONS, INTERFACE
 
@@ -33,6 +34,7 @@ class Response(NamedTuple):
     values: Complex
 
 
+@short_repr
 @dataclass(frozen=True)
 class FrequencyResponse:
     """Responses of a scene to an acceleration of its base, of 1 m/s2 or 1 rad/s2; frequencies: Hz, shape (F,).

@@ -24,6 +24,7 @@ from ..assembly.hinges import LatchSetting, hinge_parts
 from ..assembly.statics.configuration import configuration
 from ..assembly.statics.linear_model import LinearModel, linearise, normal_modes
 from ..assembly.statics.mechanism import Mechanism
+from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, with_angles
 from ..scene.hinge_line_tables import HingeLine
@@ -156,6 +157,7 @@ def augmented_rotation(
     return tuple(angle + load / structure for angle, load in zip(deflection, torque, strict=True))
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Tuning:
     """Stiffnesses (N.m/rad) of a line; those that need the hinges' are None without it."""

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..assembly.statics.configuration import configuration
+from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.hinge_line_tables import HingeLine
 from .latch_tuning import find_line
@@ -30,6 +31,7 @@ _ACCURACY = 1e-9
 """Of the decimal logarithm of the stiffness."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class WingTuning:
     """A latch spring (N.m/rad) of a line for the wing with all bodies rigid.

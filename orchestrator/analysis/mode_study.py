@@ -18,6 +18,7 @@ from components.flexible.reduction import fixed_interface_frequencies, free_freq
 
 from ..assembly.assemble import assemble
 from ..cosim.settings import Settings
+from ..records import short_repr
 from ..run.progress import Progress, silent
 from ..run.run import RunError
 from ..scene import CheckedScene
@@ -38,6 +39,7 @@ class Frequencies(NamedTuple):
     reduced: dict[int, Vector]
 
 
+@short_repr
 @dataclass(frozen=True)
 class ModeStudy:
     """Latch-up of a scene against the modes of a body, and the body's frequencies."""

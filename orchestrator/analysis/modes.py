@@ -31,6 +31,7 @@ from ..assembly.statics.linear_model import (
     spinning_modes,
 )
 from ..assembly.statics.steady_spin import spin_at_start
+from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.damping import StructuralDamping
 from .vibration import DIRECTIONS
@@ -81,6 +82,7 @@ class Mode(NamedTuple):
         }
 
 
+@short_repr
 @dataclass(frozen=True)
 class Modes:
     """Normal modes of a scene in a configuration.
@@ -186,19 +188,21 @@ def posing_sentence(
     except SceneError:
         return ""
     said = (
-        f"{scene.header.name}: as posed, joints and latches do not carry {unbalanced[0]:.3g} N and "
-        f"{unbalanced[1]:.3g} N.m that cables, motors, gravity or spin ask of them, and lack their stiffness: "
+        f"{scene.header.name}: as posed, {unbalanced[0]:.3g} N and {unbalanced[1]:.3g} N.m of cables, motors, "
+        "gravity or spin are not balanced by joints and latches. "
     )
     free = [found.free_motions for found in both]
     if free[0] != free[1]:
-        return f"{said}free motions are {free[0]} for {free[1]} in equilibrium (not as posed)"
+        return (
+            f"{said}There are {free[0]} rigid-body modes, and {free[1]} in equilibrium (without --as-posed)."
+        )
     posed, settled = (found.frequencies for found in both)
     count = min(len(posed), len(settled))
     off = np.abs(posed[:count] - settled[:count]) / np.maximum(np.abs(settled[:count]), _LOADED)
     if off.max(initial=0.0) <= _OFF:
         return ""
     k = int(np.argmax(off))
-    return f"{said}a frequency is {posed[k]:.4g} Hz for {settled[k]:.4g} Hz in equilibrium (not as posed)"
+    return f"{said}A frequency is {posed[k]:.4g} Hz, and {settled[k]:.4g} Hz in equilibrium (without --as-posed)."
 
 
 def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]:

@@ -1,4 +1,4 @@
-"""A scene looked at before it is run: its problems and doubts, its bodies, lines and loops, and where they stand."""
+"""Check of a scene before its run: problems, warnings, bodies, lines, loops, and sketches."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..assembly.assemble import assemble
 from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
+from ..records import short_repr
 from ..scene import CheckedScene
 from ..scene.bodies import (
     Attachment,
@@ -104,6 +105,7 @@ class Sketch:
     ports: Vector
 
 
+@short_repr
 @dataclass(frozen=True)
 class SceneCheck:
     """A scene before its run; where it has problems there is nothing else, as nobody can tell what is meant."""

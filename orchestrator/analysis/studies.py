@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..assembly import Assembly
 from ..cosim.settings import Settings
+from ..records import short_repr
 from ..run.progress import Progress, followed
 from ..run.run import Outcome, RunError, run
 
@@ -21,6 +22,7 @@ class Case:
     outcome: Outcome
 
 
+@short_repr
 @dataclass(frozen=True)
 class LatchStudy:
     """Finished runs of a scene with one thing changed; RunError where no line latched in the last, the reference.

@@ -48,7 +48,18 @@ Way = tuple[Quantity, Quantity]
 
 
 def constraints(scene: SceneLike) -> Constraints:
-    """Constraints of a scene's joints where it starts: count, rank, redundant ones, what can move."""
+    """Constraints of the joints of a scene at its start.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+
+    Returns
+    -------
+    Constraints
+        number of constraints, rank, redundant constraints, free motions
+    """
     from ..scene.loops.freedoms import find_constraints
 
     return find_constraints(as_scene(scene).check_one_run())
@@ -66,13 +77,42 @@ def modes(
     base: Literal["as_built", "held"] = "as_built",
     count: int = 15,
 ) -> Modes:
-    """Natural frequencies, damping and effective masses of a scene in a configuration.
+    """Natural frequencies, damping ratios and effective masses of a scene in a configuration.
 
-    configuration: "stowed", "deployed", or "current", where a run begins; angles: of single lines in it. latched:
-    names of lines, "all" or "none"; by default all if deployed, else none. as_posed: about the hinge angles
-    themselves, not about the static equilibrium beside them. base: "held" keeps a free spacecraft where it is; as
-    built, it swings with the wing, and six free motions come first; one that turns where its law begins has its wing in
-    steady spin, whose modes are those in axes that turn along. count: modes beyond the free motions.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    configuration : {"current", "stowed", "deployed"}
+        angles of all hinge lines; "current" is the start of a run
+    angles : mapping, optional
+        angles of single lines in this configuration, rad or texts such as "45 deg"
+    latched : str or sequence of str, optional
+        latched lines, "all" or "none"; by default all if deployed, else none
+    rigid, flexible : str or sequence of str
+        names of bodies with this model, or "all"; by default the models of the scene
+    as_posed : bool
+        linearise at the hinge angles themselves; by default at the static equilibrium near them
+    base : {"as_built", "held"}
+        "held" fixes a free spacecraft; as built, it moves with the wing and six rigid-body modes come first; if the
+        motion law of the base starts with a rate, modes are those of the steady spin, in rotating axes
+    count : int
+        modes in addition to the rigid-body modes; by default 15
+
+    Returns
+    -------
+    Modes
+        frequencies (Hz), damping ratios, effective masses (kg, kg.m2), dominant bodies
+
+    Raises
+    ------
+    SceneError
+        if the scene or the configuration is invalid
+
+    Examples
+    --------
+    >>> found = fanfold.modes("amos3", "deployed", count=6)
+    >>> found.frequencies
     """
     from ..analysis.modes import find_modes
     from ..validity.default_joints import default_joint_warnings
@@ -114,10 +154,23 @@ def appendage(
     points: Names = (),
     count: int = 15,
 ) -> list[Appendage]:
-    """A scene in a configuration (see `modes`) as a linear appendage of its base, about each of some points.
+    """Linear appendage model of a scene: cantilever modes and participation about points of the base.
 
-    hold: names of lines kept at their angles without being latched, "all" or "none". points: of the base; by default
-    one, about which it turns: a ground's reference point, a free base's centre of mass. count: cantilever modes kept.
+    Parameters
+    ----------
+    scene, configuration, angles, latched, rigid, flexible, as_posed
+        see `modes`
+    hold : str or sequence of str
+        lines fixed at their angles without being latched, "all" or "none"
+    points : str or sequence of str
+        points of the base; by default the reference point of a fixed base, the centre of mass of a free one
+    count : int
+        cantilever modes; by default 15
+
+    Returns
+    -------
+    list of Appendage
+        one model per point: frequencies (Hz), participation, rigid and residual mass (kg, kg.m, kg.m2)
     """
     from ..analysis.appendage.model import find_appendages
 
@@ -154,12 +207,32 @@ def frequency_response(
     high: Quantity = 100.0,
     steps: int = 400,
 ) -> FrequencyResponse:
-    """Response of a scene in a configuration (see `modes`) to vibration of its base.
+    """Frequency response of a scene in a configuration to vibration of its base.
 
-    excite: x, y, z, rx, ry or rz, the acceleration of the base along or about an axis, prescribed whatever its mass is
-    and whether it is free (a free one turns about its centre of mass); along: what is read, as
-    excited by default. points: BODY.POINT, whose acceleration is wanted; "interface" is the load on the base. low,
-    high: Hz. steps: frequencies, beside those around resonances.
+    Parameters
+    ----------
+    scene, configuration, angles, latched, rigid, flexible, as_posed
+        see `modes`
+    excite : {"x", "y", "z", "rx", "ry", "rz"}
+        prescribed acceleration of the base along or about an axis; a free base rotates about its centre of mass
+    along : str, optional
+        direction of the response; by default that of the excitation
+    points : str or sequence of str
+        points BODY.POINT whose acceleration is computed; "interface" is the load on the base
+    low, high : float or str
+        frequency range, Hz; by default 0.1 to 100
+    steps : int
+        frequencies, in addition to those near resonances; by default 400
+
+    Returns
+    -------
+    FrequencyResponse
+        frequencies (Hz) and complex responses of all points
+
+    Raises
+    ------
+    SceneError
+        if a direction, a point or the frequency range is invalid
     """
     from ..analysis.frequency_response import FrequencyResponse, frequency_grid, responses
     from ..analysis.vibration import DIRECTIONS, ZERO_FREQUENCY
@@ -195,10 +268,21 @@ def equilibrium(
     hold: Names | None = None,
     preload: bool = False,
 ) -> Equilibrium:
-    """Static equilibrium of a scene in a configuration (see `modes`), and the loads of its connections.
+    """Static equilibrium of a scene in a configuration, and the loads of its connections.
 
-    hold: held lines by name, "all" or "none"; by default all that are not latched. preload: cable loops have exactly
-    their preload, as when a run begins.
+    Parameters
+    ----------
+    scene, configuration, angles, latched, rigid, flexible
+        see `modes`
+    hold : str or sequence of str, optional
+        held lines, "all" or "none"; by default all lines that are not latched
+    preload : bool
+        cable loops have exactly their preload, as at the start of a run
+
+    Returns
+    -------
+    Equilibrium
+        angles (rad), holding torques (N.m), loads of connections and base (N, N.m)
     """
     from ..analysis.equilibrium import equilibrium as find
     from ..analysis.equilibrium import lines_held
@@ -221,7 +305,24 @@ def quasi_static(
     hold: Names | None = None,
     steps: int = 12,
 ) -> list[Equilibrium]:
-    """Equilibria while lines turn together, such as {"HL1": (0, "90 deg")}; other lines follow, or are held."""
+    """Static equilibria over a sweep of hinge angles; other lines follow, or are held.
+
+    Parameters
+    ----------
+    scene, configuration, angles, latched, rigid, flexible
+        see `modes`
+    sweeps : mapping
+        first and last angle of every swept line, rad or texts, such as ``{"HL1": (0, "90 deg")}``
+    hold : str or sequence of str, optional
+        held lines, "all" or "none"; by default none
+    steps : int
+        steps of the sweep; by default 12
+
+    Returns
+    -------
+    list of Equilibrium
+        one per step, see `equilibrium`
+    """
     from ..analysis.equilibrium import Sweep, lines_held
     from ..analysis.equilibrium import quasi_static as find
 
@@ -256,11 +357,37 @@ def torque_margin(
 ) -> TorqueMargin:
     """Torque margin of every driven hinge line over its travel, limit 2; bodies are rigid.
 
-    Lines that cable loops couple have theirs together, at the rate of the first, from which their verdict follows.
-    cases: variants to analyse beside each other, "base" for none; by default base, and cold if there is a cold one.
-    factors: "theoretical" or "measured" uncertainty factors of ECSS table 4-2. friction: "constant" is the preload
-    torque alone, "sliding" and "static" add that of the reactions. torques: further ones (N.m) by line and ECSS
-    symbol, such as {"HL2": {"HY": 0.02}}. positions: of the travel, its ends included.
+    Lines that cable loops couple have one margin, at the rate of the first line.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    cases : sequence of str
+        variants to analyse, "base" for none; by default base, and cold if the scene has it
+    factors : {"theoretical", "measured"}
+        uncertainty factors of ECSS-E-ST-33-01C, table 4-2
+    friction : {"constant", "sliding", "static"}
+        "constant" is the preload torque alone; "sliding" and "static" add friction due to joint reactions
+    torques : mapping, optional
+        additional torques, N.m, by line and ECSS symbol, such as ``{"HL2": {"HY": 0.02}}``
+    positions : int
+        positions over the travel, including its ends; by default 19
+
+    Returns
+    -------
+    TorqueMargin
+        margins, driving and resisting torques (N.m) by line and case; `passes` for the verdict
+
+    Raises
+    ------
+    SceneError
+        if factors, symbols or cases are invalid
+
+    Examples
+    --------
+    >>> margin = fanfold.torque_margin("bepicolombo")
+    >>> margin.passes
     """
     from ..analysis.torque_margin.margins import margin_cases
     from ..analysis.torque_margin.margins import torque_margin as find
@@ -292,10 +419,27 @@ def restart(
     folder: str | Path | None = None,
     progress: bool | Progress | None = None,
 ) -> list[CaseRestart]:
-    """Run a scene from rest at positions of its travel, such as ("25%", "45 deg"): does every line open.
+    """Simulate a scene from rest at positions of its travel, and report whether every line opens.
 
-    An angle is that of the first line with a motor. cases: as for `torque_margin`. folder: where results go; None
-    keeps none.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    positions : sequence of str
+        shares of the travel or angles of the first line with a motor, such as ``("25%", "45 deg")``
+    cases : sequence of str
+        see `torque_margin`
+    until : float or str, optional
+        end time, s; by default that of the scene
+    folder : str or Path, optional
+        folder of the results; by default they are not kept
+    progress : bool or callable, optional
+        progress bar; by default only in notebooks
+
+    Returns
+    -------
+    list of CaseRestart
+        one per case and position, with a record of every line
     """
     from ..analysis.torque_margin.margins import margin_cases
     from ..analysis.torque_margin.restart import restart_cases, restart_shares
@@ -316,11 +460,27 @@ def latch_tuning(
     rigid: Names = (),
     flexible: Names = (),
 ) -> Tuning:
-    """The latch spring of a hinge line that gives the rigid pair of its bodies the frequency of the flexible one.
+    """Latch spring stiffness that gives a rigid pair of bodies the natural frequency of the flexible pair.
 
-    frequency: to meet, Hz; by default that of the flexible pair. stiffness_of: "total" or "structure", what the
-    frequency belongs to; by default the total with a frequency, else the structure. hinge_stiffness: measured, of the
-    line's hinges together, N.m/rad.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    line : str
+        hinge line between the bodies
+    frequency : float or str, optional
+        target frequency, Hz; by default that of the flexible pair
+    stiffness_of : {"total", "structure"}, optional
+        stiffness that the frequency belongs to; by default "total" if `frequency` is set, else "structure"
+    hinge_stiffness : float or str, optional
+        measured stiffness of all hinges of the line together, N.m/rad
+    rigid, flexible : str or sequence of str
+        see `modes`
+
+    Returns
+    -------
+    Tuning
+        stiffnesses (N.m/rad), inertias (kg.m2), frequencies (Hz)
     """
     from ..analysis.latch_tuning import find_line, tune
 
@@ -345,9 +505,23 @@ def wing_latch_tuning(
     rigid: Names = (),
     flexible: Names = (),
 ) -> WingTuning:
-    """The latch spring of a hinge line that gives the whole rigid wing, deployed, the frequency of the flexible one.
+    """Latch spring stiffness that gives the whole rigid wing, deployed, the natural frequency of the flexible wing.
 
-    frequency: to meet, Hz; by default that of the flexible wing's lowest mode in the direction of the rigid one's.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    line : str
+        hinge line with the latch
+    frequency : float or str, optional
+        target frequency, Hz; by default the lowest mode of the flexible wing in the direction of the rigid mode
+    rigid, flexible : str or sequence of str
+        see `modes`
+
+    Returns
+    -------
+    WingTuning
+        stiffness (N.m/rad) and frequencies (Hz)
     """
     from ..analysis.latch_tuning import find_line
     from ..analysis.latch_tuning_of_wing import tune_wing
@@ -359,13 +533,13 @@ def wing_latch_tuning(
 
 
 def _tell_of_locks(line: HingeLine) -> None:
-    """FanfoldWarning where a latch has no use for a stiffness."""
+    """Warn if the latch is kinematic and so has no stiffness."""
     if line.latch is not None and line.latch.kind == "kinematic":
         warn(
             message(
                 "W-latch-curve",
-                f"hinge_line.{line.name}: its latch is kinematic, so a stiffness has no effect; set latch.kind to "
-                "spring or by_fidelity to use the result",
+                f"hinge_line.{line.name}: its latch is kinematic, so a stiffness has no effect. Set latch.kind to "
+                "spring or by_fidelity to use the result.",
             )
         )
 
@@ -381,9 +555,29 @@ def mode_study(
     folder: str | Path | None = None,
     progress: bool | Progress | None = None,
 ) -> ModeStudy:
-    """Latch-up of a scene against the number of a body's fixed-interface modes; the largest is the reference.
+    """Convergence of the latch-up with the number of fixed-interface modes of a body.
 
-    folder: where results go; None keeps them in memory.
+    The largest number is the reference.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    body : str, optional
+        body whose number of modes varies; required if several bodies are flexible
+    counts : sequence of int
+        numbers of modes
+    rigid, flexible, tolerance
+        see `simulate`
+    folder : str or Path, optional
+        folder of the results; by default they stay in memory
+    progress : bool or callable, optional
+        progress bar; by default only in notebooks
+
+    Returns
+    -------
+    ModeStudy
+        frequencies (Hz) and latch-up numbers by number of modes
     """
     from ..analysis.mode_study import mode_study as study
 
@@ -401,9 +595,25 @@ def step_study(
     folder: str | Path | None = None,
     progress: bool | Progress | None = None,
 ) -> LatchStudy:
-    """Latch-up of a scene against constant communication step sizes (s); the smallest is the reference.
+    """Convergence of the latch-up with the constant communication step size; the smallest step is the reference.
 
-    folder: where results go; None keeps them in memory.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    steps : sequence of float
+        step sizes, s
+    rigid, flexible, tolerance
+        see `simulate`
+    folder : str or Path, optional
+        folder of the results; by default they stay in memory
+    progress : bool or callable, optional
+        progress bar; by default only in notebooks
+
+    Returns
+    -------
+    LatchStudy
+        latch-up numbers by step size
     """
     from ..analysis.step_study import step_study as study
 
@@ -422,11 +632,36 @@ def stress(
     around: tuple[float, float, float] | None = None,
     insert_margin: Quantity = 0.0,
 ) -> PanelStress:
-    """Von Mises stresses of a flexible panel's face sheets in a result: hot spots, peak field.
+    """Von Mises stresses in the face sheets of a flexible panel: hot spots and peak field.
 
-    count: hot spots; radius: nodes this near to one (m) are no further one. Only nodes by number, within a rectangle
-    x0, x1, y0, y1 (m) of the body's frame, around x, y with a radius (m), and no nearer than insert_margin (m) to
-    rigid inserts, whose corners are singular.
+    Parameters
+    ----------
+    result : Result, str or Path
+        result, or its file
+    body : str
+        panel
+    count : int
+        hot spots; by default 10
+    radius : float or str
+        smallest distance between two hot spots, m; by default 0.05
+    nodes : sequence of int, optional
+        only these nodes of the mesh
+    within : tuple of float, optional
+        only nodes in the rectangle x0, x1, y0, y1 of the body frame, m
+    around : tuple of float, optional
+        only nodes in the circle x, y, radius of the body frame, m
+    insert_margin : float or str
+        smallest distance of nodes to rigid inserts, m, whose corners are singular; by default 0
+
+    Returns
+    -------
+    PanelStress
+        hot spots and peak stress (Pa) of all nodes
+
+    Raises
+    ------
+    ResultError
+        if the result has no such flexible panel
     """
     from ..analysis.stress.hot_spots import Choice, panel_stress
 
@@ -437,23 +672,47 @@ def stress(
 
 
 def body_outputs(result: ResultLike, body: str) -> BodyOutputs:
-    """Stresses and forces of elements, over a result, that an imported body brought rows for."""
+    """Element stresses and forces of an imported body over a result, from the output rows of its file.
+
+    Parameters
+    ----------
+    result : Result, str or Path
+        result, or its file
+    body : str
+        imported body with output rows
+
+    Returns
+    -------
+    BodyOutputs
+        names, units and values over time
+    """
     from ..analysis.stress.outputs import body_outputs as find
 
     return find(opened(result), body)
 
 
 def impacts(result: ResultLike) -> list[Impact]:
-    """Every touch of every contact of a result in order of time: speed, force, impulse, energy."""
+    """Impacts of all contacts of a result, in order of time.
+
+    Parameters
+    ----------
+    result : Result, str or Path
+        result, or its file
+
+    Returns
+    -------
+    list of Impact
+        time and duration (s), speed (m/s), peak force (N), impulse (N.s), energy (J)
+    """
     from ..analysis.impact import impacts as find
 
     return find(opened(result))
 
 
 def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
-    """The scene checked; a FanfoldWarning each for what the analysis leaves out and a base that starts turned.
+    """The checked scene; a FanfoldWarning for each omission of the analysis, and for a base that starts rotated.
 
-    spinning: whether the analysis is about the steady spin of a base.
+    spinning: the analysis linearises about the steady spin of a base.
     """
     from ..validity.small_motion import left_out
 
@@ -468,7 +727,7 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
 def _tell_of_posing(
     scene: CheckedScene, rigid: Names, flexible: Names, target: Configuration, unbalanced: tuple[float, float]
 ) -> None:
-    """A FanfoldWarning where frequencies as posed, with so much out of balance, are not those in equilibrium."""
+    """Warn if frequencies as posed, with this unbalanced load, differ from those in equilibrium."""
     from ..analysis.modes import posing_sentence
 
     if sentence := posing_sentence(scene, listed(rigid), listed(flexible), target, unbalanced):

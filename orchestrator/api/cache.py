@@ -10,7 +10,7 @@ from components.cache import disk
 
 @dataclass(frozen=True, slots=True)
 class Cache:
-    """Where the cache is and how large; sizes in bytes."""
+    """Location and size of the cache; sizes in bytes."""
 
     folder: Path | None
     """None where nothing can be written"""
@@ -23,7 +23,18 @@ class Cache:
 
 
 def cache(clear: bool = False) -> Cache:
-    """The cache as it is; with `clear`, as it was before all its files were removed."""
+    """Location and size of the cache of reduced bodies and compressed FMU code.
+
+    Parameters
+    ----------
+    clear : bool
+        remove all files of the cache
+
+    Returns
+    -------
+    Cache
+        folder, number of files, size (bytes); with `clear` those before the removal
+    """
     place = disk.written_folder()
     found = [] if place is None else (disk.clear if clear else disk.entries)(place)
     return Cache(place, len(found), sum(entry.size for entry in found), disk.LIMIT, disk.unwritable_cache())

@@ -1,4 +1,4 @@
-"""Two results side by side, and reports."""
+"""Comparison of results, and reports."""
 
 from __future__ import annotations
 
@@ -20,9 +20,17 @@ ResultLike = Record | str | Path
 
 
 def compare(a: ResultLike, b: ResultLike) -> Comparison:
-    """Two results side by side: latch-up and peaks of loads in `rows`, with ratios and shifts in time (s).
+    """Compare two results: latch-up and load peaks, with ratios and time shifts.
 
-    A FanfoldWarning tells where they are of different scenes.
+    Parameters
+    ----------
+    a, b : Result, str or Path
+        results, or their files; a FanfoldWarning if their scenes differ
+
+    Returns
+    -------
+    Comparison
+        `rows` with both values, ratio and time shift (s)
     """
     first, second = opened(a), opened(b)
     if note := scene_note(first, second):
@@ -31,7 +39,20 @@ def compare(a: ResultLike, b: ResultLike) -> Comparison:
 
 
 def plot_comparison(a: ResultLike, b: ResultLike, folder: str | Path) -> list[Path]:
-    """Write overlays of two results, a drawn through and b dashed, into a folder; the paths written."""
+    """Plot the signals of two results over each other, a solid and b dashed.
+
+    Parameters
+    ----------
+    a, b : Result, str or Path
+        results, or their files
+    folder : str or Path
+        folder of the pictures
+
+    Returns
+    -------
+    list of Path
+        pictures
+    """
     from ..views import comparison
 
     return comparison.plot_comparison(opened(a), opened(b), Path(folder))
@@ -43,11 +64,33 @@ def report(
     other: ResultLike | Sequence[ResultLike] | None = None,
     frames: int = 6,
 ) -> Path:
-    """Write a result as one self-contained HTML file and return its path.
+    """Write a report of a result as one self-contained HTML file.
 
-    path: by default beside the file of the result. other: one or several results to set against it; the first of
-    them is in space and in the interactive plots as well. frames: still pictures for browsers without WebGL2, 0 for
-    nothing that plays either. ResultError where the file cannot be an HTML file, or is one of the results.
+    Parameters
+    ----------
+    result : Result, str or Path
+        result, or its file
+    path : str or Path, optional
+        HTML file; by default next to the file of the result
+    other : result or sequence of results, optional
+        results to compare with; the first one is also drawn in the 3-D view and in the interactive plots
+    frames : int
+        still pictures for browsers without WebGL2; by default 6
+
+    Returns
+    -------
+    Path
+        HTML file
+
+    Raises
+    ------
+    ResultError
+        if the file is no HTML file, is one of the results, or cannot be written
+
+    Examples
+    --------
+    >>> result = fanfold.simulate("amos3", rigid="all")
+    >>> fanfold.report(result, "amos3.html")
     """
     from ..views.report.report import report as html
 
@@ -80,7 +123,7 @@ def _listed(other: ResultLike | Sequence[ResultLike] | None) -> Sequence[ResultL
 
 
 def opened(result: ResultLike) -> Result:
-    """A result, read where a file is named."""
+    """A result, read from its file if necessary."""
     if isinstance(result, Result):
         return result
     if not isinstance(result, Record | str | Path):

@@ -47,19 +47,53 @@ def export(
     driven_base: bool = False,
     watch: Callable[[str], object] = lambda name: None,
 ) -> list[Path]:
-    """Write every component of a scene as an FMU into a folder, and return the paths.
+    """Export the components of a scene as FMUs, or the whole scene as one FMU.
 
-    Of a scene with preload, bodies start in static equilibrium, which other tools do not search for. The default
-    experiment lasts as long as the scene, at the largest step at which tools that do not iterate are stable, if there
-    is one. Events of a scene are its master's and no part of FMUs; a FanfoldWarning tells so.
-    wrench_mode: "endpoint" (default) for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back
-    end. sources: add the C sources, to be compiled on other platforms. platforms: names of `fmus.PLATFORMS`, or "all":
-    libraries of these in place of the one of here, compiled by Zig (the extra `platforms`); `watch` is told of each
-    before, as the first time takes half a minute. as_one: one native FMU of the whole scene, events included, with the
-    master that couples its components: inside it steps as the scene's tolerance asks, whatever the communication step.
-    driven_base: of one FMU, the fixed base moves by inputs, rates and accelerations in the world's axes, between
-    communication points as smoothly as their rates can. ssp: a file that takes all FMUs of FMI 2.0 with
-    end-point wrenches and their connections, or the one FMU of the scene (SSP 1.0, needs pyssp_standard).
+    If the scene has preload, bodies start in static equilibrium. The default experiment has the end time of the scene
+    and the largest step that is stable in tools that do not iterate. A FanfoldWarning lists what the FMUs lack, such as
+    events.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    folder : str or Path
+        folder of the FMUs
+    rigid, flexible, large_deformation : str or sequence of str
+        names of bodies with this model, or "all"; by default the models of the scene
+    wrench_mode : {"endpoint", "mean"}, optional
+        "endpoint" (default) for other tools, "mean" for the implicit master
+    fmi : {"2.0", "3.0"}
+        version of FMI; "3.0" needs the native back end
+    sources : bool
+        add the C sources, for compilation on other platforms
+    backend : {"native", "python"}, optional
+        implementation of the FMUs; by default native if compiled
+    ssp : str or Path, optional
+        also write an SSP 1.0 file with all FMUs and their connections; needs FMI 2.0, "endpoint" and pyssp_standard
+    platforms : str or sequence of str
+        platforms (`fmus.PLATFORMS`) or "all", cross-compiled with Zig; by default this machine
+    as_one : bool
+        one FMU of the whole scene, events included, which controls its step size by the scene's tolerance
+    driven_base : bool
+        with `as_one`: the fixed base moves by inputs, rates and accelerations in world axes, interpolated smoothly
+    watch : callable, optional
+        called with the name of each platform before its library is compiled, which takes up to half a minute
+
+    Returns
+    -------
+    list of Path
+        FMUs, and the SSP file
+
+    Raises
+    ------
+    SceneError
+        if the options contradict each other
+
+    Examples
+    --------
+    >>> fanfold.export("amos3", "fmus", rigid="all", ssp="amos3.ssp")
+    >>> fanfold.export("amos3", "fmus", rigid="all", as_one=True)
     """
     _check_form(fmi, as_one, driven_base, plain=wrench_mode is None and backend != "python")
     wrench_mode = wrench_mode or "endpoint"
@@ -92,20 +126,20 @@ def export(
 
 
 def _as_ssp(ssp: Path, assembly: Assembly, paths: Sequence[Path], experiment: Experiment) -> Path:
-    """Write the SSP file of FMUs that were written; a FanfoldWarning tells of what it leaves behind."""
+    """Write the SSP file of exported FMUs; a FanfoldWarning lists files that it does not contain."""
     if files := ", ".join(files_besides(dict(assembly.scene_tree))):
         warn(
             message(
                 "W-export",
-                f"{assembly.name}: its scene goes along in {ssp.name}, but not the files that it is made of besides, "
-                f"which `fanfold run` of it takes from where they are: {files}",
+                f"{assembly.name}: {ssp.name} contains the scene, but not its further files, which `fanfold run` "
+                f"of it reads from where they are: {files}.",
             )
         )
     return write_ssp(ssp, assembly, paths, experiment)
 
 
 def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool) -> None:
-    """SceneError where what is asked for does not go together; plain: whether nothing is that one FMU has not."""
+    """SceneError for contradictory options; plain: no option that one FMU of the whole scene lacks."""
     if fmi not in get_args(FmiVersion):
         raise SceneError(
             [f"there is no version {fmi!r} of FMI here; versions are {', '.join(get_args(FmiVersion))}"]
@@ -132,20 +166,21 @@ def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:
 
 
 def _at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
-    """The assembly in the static equilibrium that the coupled one finds."""
+    """The assembly in the static equilibrium of the coupled one."""
     if assembly.large_deformation:
         names = ", ".join(assembly.large_deformation)
         warn(
             message(
                 "W-export",
-                f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}",
+                f"{assembly.name}: large-deformation beams start without load, although preload bends them: "
+                f"{names}. Export them as modal bodies to start in equilibrium.",
             )
         )
     return started_at_rest(assembly, coupled)
 
 
 def _tell_of_locks(assembly: Assembly) -> None:
-    """A FanfoldWarning of lines whose latch is an impulse, which no load of an instant holds."""
+    """Warn about kinematic latches, whose impulses are in no interface load."""
     if names := ", ".join(line.name for line in assembly.hinge_lines if line.kinematic):
         warn(
             message(
@@ -157,13 +192,14 @@ def _tell_of_locks(assembly: Assembly) -> None:
 
 
 def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
-    """FanfoldWarnings of what a scene has and its FMUs have not."""
+    """Warn about parts of the scene that its FMUs lack."""
     if scene.events and not with_events:
         names = ", ".join(event.name for event in scene.events)
         warn(
             message(
                 "W-export",
-                f"{scene.header.name}: events are no part of FMUs, so nothing makes these happen: {names}",
+                f"{scene.header.name}: component FMUs do not contain events, so these do not happen: {names}. "
+                "Export the scene as one FMU (--as-one) to include them.",
             )
         )
     if scene.fmus:
@@ -171,24 +207,39 @@ def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
         warn(
             message(
                 "W-export",
-                f"{scene.header.name}: FMUs of other tools are not exported; connect them as the scene does: {names}",
+                f"{scene.header.name}: FMUs of other tools are not exported: {names}. Connect them as in the scene.",
             )
         )
 
 
 def export_body(scene: SceneLike, body: str, path: str | Path, *, modes: int | None = None) -> ExportedBody:
-    """Write a body of a scene as a Craig-Bampton model, SI units, to an .npz or .op4 file.
+    """Export a body of a scene as a Craig-Bampton model in SI units.
 
-    Attachment components come first, those of its attachment points in their order, then amplitudes of fixed-interface
-    modes. `[body.import]` reads it back; the table that does is `to_toml` of what is returned. modes: how many, by
-    default those of the scene. Damping is the scene's and no part of it. An .asm is an external superelement of
-    Nastran with its .op4 and .pch; it and .op4 need the extra `nastran`.
+    Attachment coordinates come first, in the order of the attachment points, then fixed-interface modes. Damping is not
+    exported.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    body : str
+        flexible body
+    path : str or Path
+        file: .npz, .op4, or .asm (external superelement of Nastran, with .op4 and .pch); all but .npz need the extra
+        `nastran`
+    modes : int, optional
+        fixed-interface modes; by default those of the scene
+
+    Returns
+    -------
+    ExportedBody
+        `path`; `to_toml` returns the ``[body.import]`` table that reads the file
     """
     return _export_body(as_scene(scene).check_one_run(), body, Path(path), modes)
 
 
 def _step_of_tools(assembly: Assembly) -> float | None:
-    """The step (s) that exported FMUs advise; a FanfoldWarning tells where there is none or nobody can wait for it."""
+    """Advised step (s) of exported FMUs; warns and returns None if no practical step is stable."""
     from ..analysis.stable_step import STEPS, largest_stable_step
 
     try:
@@ -197,7 +248,7 @@ def _step_of_tools(assembly: Assembly) -> float | None:
         warn(
             message(
                 "W-export-step",
-                f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}",
+                f"{assembly.name}: no stable communication step for other tools could be computed: {error}",
             )
         )
         return None
@@ -207,12 +258,12 @@ def _step_of_tools(assembly: Assembly) -> float | None:
             if found
             else f"not even at {STEPS[-1]:g} s"
         )
-        instead = "export rigid bodies for them, or use" if assembly.flexible else "use"
+        instead = "Export rigid bodies for them, or use" if assembly.flexible else "Use"
         warn(
             message(
                 "W-export-step",
-                f"{assembly.name}: tools that do not iterate are stable {stable}; {instead} the scene as one FMU "
-                "or model exchange",
+                f"{assembly.name}: tools that do not iterate are stable {stable}. {instead} the scene as one FMU "
+                "or model exchange.",
             )
         )
     return found

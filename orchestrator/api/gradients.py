@@ -1,4 +1,4 @@
-"""Gradients from Python: what the keys of a scene do to its headline numbers."""
+"""Gradients from Python: derivatives of headline numbers with respect to keys of a scene."""
 
 from __future__ import annotations
 
@@ -26,19 +26,36 @@ def gradients(
     tolerance: float | None = None,
     progress: bool | Progress | None = None,
 ) -> Gradients:
-    """Derivatives of latch times, peaks, interface loads and all other headline numbers by keys of a scene.
+    """Derivatives of all headline numbers with respect to keys of a scene, through latch-ups and other events.
 
-    keys: such as ["hinge_line.HL1.motor.stowed", "friction.coefficient"]; a key that ends in * is differentiated by a
-    factor of what it has, keys with commas between change together. One run tells them all, through its latch-ups and
-    other events: for every key a neighbour with a slightly different value makes the same steps beside it. central: two
-    neighbours a key, for loads that bend much with it; twice the cost. verify: `errors` hold those of the steps as
-    well, by a run at a tenth of the tolerance with its neighbours, for twice the cost again; without it they know
-    nothing of those, by which loads may be far off, even in sign. rigid ... progress: as for `simulate`.
+    Neighbouring runs with slightly different values use the same steps as the nominal run.
 
-    `derivatives` (numbers, keys) are in the unit of the number over that of the key; `relative` is percent by percent.
-    `errors` (numbers) tell how far the gradient of each can be trusted, `single_errors` (numbers, keys) how far every
-    derivative, also where it is small beside others; `unreliable` names those that mean nothing.
-    FanfoldError where there is no derivative: for whole numbers, and where a small change makes another event happen.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    keys : str or sequence of str
+        such as ``["hinge_line.HL1.motor.stowed", "friction.coefficient"]``; a key that ends in ``*`` is a factor; keys
+        separated by commas change together
+    central : bool
+        central differences, for twice the cost
+    verify : bool
+        `errors` include step-size errors, from a second run at a tenth of the tolerance, for twice the cost; without it
+        loads may be wrong, even in sign
+    rigid, flexible, large_deformation, until, tolerance, progress
+        see `simulate`
+
+    Returns
+    -------
+    Gradients
+        `derivatives` (numbers, keys) in the unit of the number over that of the key; `relative` in percent per percent;
+        `errors` (numbers) relative to the gradient, `single_errors` (numbers, keys) of single derivatives;
+        `unreliable` lists numbers without a meaningful gradient
+
+    Raises
+    ------
+    FanfoldError
+        for integer keys, and if a small change makes another event happen
     """
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
     loaded = as_scene(scene)

@@ -1,4 +1,4 @@
-"""Pictures of what analyses found."""
+"""Pictures of analyses."""
 
 from __future__ import annotations
 
@@ -23,9 +23,27 @@ if TYPE_CHECKING:
 
 
 def plot(found: Found, folder: str | Path) -> list[Path]:
-    """Write the pictures of what an analysis found into a folder; the paths written.
+    """Plot the record of an analysis.
 
-    Of results see `Result.plot` and `plot_comparison`. FanfoldError for what has no pictures.
+    For results see `Result.plot` and `plot_comparison`.
+
+    Parameters
+    ----------
+    found : record
+        returned by `check_scene`, `modes`, `frequency_response`, `stress`, `study`, `step_study`, `mode_study` or
+        `torque_margin`
+    folder : str or Path
+        folder of the pictures
+
+    Returns
+    -------
+    list of Path
+        pictures
+
+    Raises
+    ------
+    FanfoldError
+        if there are no pictures of such a record
     """
     from ..views.linear import plot_modes, plot_response
     from ..views.scene_check import plot_scene

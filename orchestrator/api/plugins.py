@@ -24,27 +24,50 @@ if TYPE_CHECKING:
 
 
 def load_plugin(file: str | Path) -> None:
-    """Load a file of components or figures (.py), or of bodies (.toml), as `plugins` of [scene] does.
+    """Load components or figures (.py) or bodies (.toml) from a file, as `plugins` of [scene] does.
 
-    A file that has changed since is loaded again. FanfoldError with file and line where it cannot be.
+    Parameters
+    ----------
+    file : str or Path
+        plugin; a file that has changed is loaded again
+
+    Raises
+    ------
+    FanfoldError
+        with file and line if the plugin fails
     """
     load(str(file))
 
 
 def trust(result: str | Path) -> None:
-    """Let the files of bodies and FMUs that a result names be opened for it, now and later; plugins stay out.
+    """Trust the files of bodies and FMUs that a result names; plugins stay untrusted.
 
-    Files that a scene named in a run on this computer need no trust. ResultError where there is no such result.
+    Files that a scene named in a run on this computer are trusted already.
+
+    Parameters
+    ----------
+    result : str or Path
+        file of the result
+
+    Raises
+    ------
+    ResultError
+        if there is no such result
     """
     tree = scene_tree(Record.open(Path(result)))
     trust_data(data_files(tree))
 
 
 def figure(name: str) -> Callable[[Draw], Draw]:
-    """Decorator of a function that draws a result, or returns None where it lacks what it takes.
+    """Decorator that registers a function as a figure of results.
 
-    The figure is drawn with those that Fanfold has, its caption the first line of the function's docstring. One that
-    fails is left out, and a FanfoldWarning says with what and where.
+    The function takes a `Result` and returns a Matplotlib figure, or None if the result lacks the signals. The first
+    line of its docstring is the caption. A figure that fails is left out with a FanfoldWarning.
+
+    Parameters
+    ----------
+    name : str
+        name of the figure
     """
     from ..views.plots import add_figure
 
@@ -66,7 +89,9 @@ def _left_out_where_it_fails(name: str, draw: Draw) -> Draw:
             said = f"{type(error).__name__}: {error}"
             warn(
                 message(
-                    "W-figure", f"the figure {name!r} of {file}{line_in(file, error)}: {said}; it is left out"
+                    "W-figure",
+                    f"the figure {name!r} of {file}{line_in(file, error)} failed and is left out: {said}. "
+                    "Correct its function.",
                 )
             )
             return None

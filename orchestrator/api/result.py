@@ -1,4 +1,4 @@
-"""A result as people use it: signals with unit and time, latch times, figures, tables, files."""
+"""A result for users: signals with unit and time, latch times, figures, tables, files."""
 
 from __future__ import annotations
 
@@ -31,10 +31,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Result(Record):
-    """What a run did, in memory or in a file; `simulate` returns one, `Result.open` reads one.
+    """Result of a run, in memory or in a file; `simulate` returns one, `Result.open` reads one.
 
-    `result["hl1_hinge", "latch_torque"]` is a signal: an array with `unit` and `time`. `time`, `events`,
-    `components`, `variables(component)`, `statistics`, `provenance` tell what there is.
+    ``result["hl1_hinge", "latch_torque"]`` is a signal: an array with `unit` and `time`.
+
+    Attributes
+    ----------
+    time : array (N,)
+        times of all rows, s; events have a row before and one after
+    events : list
+        time (s), component and text of every event
+    components : tuple of str
+        components with signals; `variables(component)` lists their signals
+    statistics, provenance : mapping
+        cost of the run; settings and versions
+    complete : bool
+        False if the run was interrupted
     """
 
     simulation: Simulation | None = field(default=None, kw_only=True)
@@ -42,7 +54,7 @@ class Result(Record):
 
     @classmethod
     def of(cls, record: Record, simulation: Simulation | None = None) -> Self:
-        """The same result with everything that is offered here."""
+        """The same result with the methods of this class."""
         return cls(*(getattr(record, one.name) for one in fields(Record)), simulation=simulation)
 
     def __getitem__(self, key: tuple[str, str]) -> Signal:
@@ -54,7 +66,7 @@ class Result(Record):
         return Signal(values, self.time, unit, f"{component}.{variable}", description, tuple(self.events))
 
     def latch_torque(self, line: str) -> Signal:
-        """Latch torque (N.m) of a hinge line, the sum over its hinges; ResultError where there is no such line."""
+        """Latch torque (N.m) of a hinge line, summed over its hinges; ResultError if there is no such line."""
         lines = {one.name: one for one in self.hinge_lines}
         if line not in lines:
             raise ResultError(
@@ -65,37 +77,43 @@ class Result(Record):
         return Signal(torque, self.time, "N.m", f"{line}.latch_torque", text, tuple(self.events))
 
     def at(self, time: Quantity, side: Side = "after") -> Instant:
-        """All signals at one time: `result.at(7.5)["panel", "frame_position"]`, in s or with a unit.
+        """All signals at one time, such as ``result.at(7.5)["panel", "frame_position"]``.
 
-        Between communication points values are interpolated linearly, and flags are those of the one before. An event
-        has several rows of one time, or within 2e-7 s of it, as a latch impulse takes 1e-7 s: near an event the values
-        are those after all of them, or with side="before" those before. ResultError outside of the run.
+        Values are interpolated linearly between rows; flags keep the value of the row before. ResultError outside the
+        run.
+
+        Parameters
+        ----------
+        time : float or str
+            time, s
+        side : {"after", "before"}
+            side of an event: its rows have the same time, or times within 2e-7 s
         """
         return instant(self, in_si(time, "s", "the time"), side)
 
     @cached_property
     def headline(self) -> Headline:
-        """What the deployment is judged by: latch times, peaks, energies, with estimated errors."""
+        """Headline numbers: latch times, peaks, energies, with estimated errors."""
         return key_figures.headline(self)
 
     @property
     def latch_times(self) -> dict[str, float]:
-        """Latch-up (s) of every hinge line that latched."""
+        """Latch time (s) of every hinge line that latched."""
         return key_figures.latch_times(self)
 
     @property
     def costs(self) -> dict[str, Scalar]:
-        """What the run cost: steps, iterations, wall time (s), ..., by the names of `statistics`."""
+        """Steps, iterations, wall time (s) and further costs of the run, by the names of `statistics`."""
         return {name: value for name, value in self.statistics.items() if name != ESTIMATED_ERRORS}
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences that a careful engineer acts on, each with its code, such as `[W-motor-short]`."""
+        """Problems that an engineer should act on, each with its code, such as `[W-motor-short]`."""
         return tuple(one for one in self._messages if not is_note(one))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on how the run went, such as a repetition, each with its code."""
+        """Facts of the run, such as a repetition, each with its code."""
         return tuple(one for one in self._messages if is_note(one))
 
     @property
@@ -105,9 +123,9 @@ class Result(Record):
         )
 
     def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
-        """Run twice more with steps halved and quartered: extrapolated value, error, order of every headline number.
+        """Repeat the run with steps halved and quartered: extrapolated value, error and order of every headline number.
 
-        Only of a result that `simulate` returned; where it has a file, the others stand beside it as
+        Only a result that `simulate` returned. If it has a file, the further results are written next to it, as
         NAME.halved.h5 and NAME.quartered.h5.
         """
         if self.simulation is None:
@@ -115,13 +133,13 @@ class Result(Record):
         return self.simulation.verify(chosen(progress))
 
     def save(self, path: str | Path) -> Result:
-        """Write the result into a file (HDF5), replacing an earlier result there, and return it as read from it."""
+        """Write the result to a file (HDF5), replacing an earlier result, and return it as read from there."""
         return type(self).of(save(self, path), self.simulation)
 
     def plot(self, name: str) -> Figure:
-        """A figure (Matplotlib) by its name, such as "deployment_angles", "latch_torques", "shapes".
+        """Figure (Matplotlib) by name, such as "deployment_angles", "latch_torques", "shapes".
 
-        A notebook shows it; `figure.savefig("torques.png")` writes it. ResultError lists the names there are.
+        A notebook shows it; ``figure.savefig("torques.png")`` writes it. ResultError lists the available names.
         """
         from ..views.plots import draw_one
 
@@ -132,7 +150,7 @@ class Result(Record):
     def plot_all(
         self, folder: str | Path, format: str = "png", watch: Callable[[str], None] | None = None
     ) -> list[Path]:
-        """Write every figure that the signals allow into a folder; the paths written.
+        """Write all available figures into a folder; returns their paths.
 
         watch: called with the name of each figure before it is written.
         """
@@ -143,7 +161,7 @@ class Result(Record):
     def to_dataframe(self, components: Names | None = None) -> Any:  # noqa: ANN401 - pandas may be absent
         """Signals as a table (pandas.DataFrame) over time: columns COMPONENT.VARIABLE, of vectors with [1], [2], ...
 
-        components: one or several by name; by default all. ResultError where pandas is not installed.
+        components: one or several names; by default all. ResultError if pandas is not installed.
         """
         try:
             import pandas as pd

@@ -37,7 +37,13 @@ SceneLike = Scene | str | Path
 
 
 def scenes() -> tuple[str, ...]:
-    """Names of the scenes that come with Fanfold."""
+    """Names of the built-in scenes.
+
+    Returns
+    -------
+    tuple of str
+        names that `load`, `simulate` and `fanfold run` accept
+    """
     return list_scenes()
 
 
@@ -47,13 +53,36 @@ def load(
     settings: Mapping[str, object] | Sequence[Setting] = (),
     trust: bool = False,
 ) -> Any:  # noqa: ANN401 - what a file holds decides
-    """A scene by its name or file, or one built in code, with variants and single values laid over it; or a result.
+    """Read a scene or a result.
 
-    scene: the file of a result gives a `Result`, as `Result.open` does, everything else a `Scene`. variant: one or
-    several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}. trust: plugins that a file
-    names may run, now and until they change; without it they run where they did before, or `load_plugin` has loaded
-    them. SceneError with everything that is wrong with a scene, ResultError for a damaged result, or one with variants
-    or settings.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        name of a built-in scene, scene file (.toml), result file (.h5), or a scene built in code
+    variant : str or sequence of str
+        variants of the scene to apply, in this order; by default none
+    settings : mapping or sequence
+        values by key, such as ``{"friction.coefficient": 0.1, "scene.until": "8 s"}``; plain numbers are SI
+    trust : bool
+        let plugins that the file names run, now and until they change; by default only plugins that are trusted
+        already, or loaded by `load_plugin`, run
+
+    Returns
+    -------
+    Scene or Result
+        a `Result` for a result file, a `Scene` for all else
+
+    Raises
+    ------
+    SceneError
+        with every problem of the scene
+    ResultError
+        if the result is damaged, or has variants or settings applied
+
+    Examples
+    --------
+    >>> scene = fanfold.load("amos3", settings={"friction.coefficient": 0.12})
+    >>> result = fanfold.simulate(scene)
     """
     if not isinstance(scene, Scene) and is_hdf5(scene):
         if variant or settings:
@@ -68,10 +97,7 @@ def as_scene(
     settings: Mapping[str, object] | Sequence[Setting] = (),
     trust: bool = False,
 ) -> Scene:
-    """A scene by its name or file, or one built in code, with variants and single values laid over it; see `load`.
-
-    SceneError with everything that is wrong with it, also where it is a result.
-    """
+    """A scene with variants and settings applied; see `load`. SceneError with every problem of the scene."""
     if isinstance(scene, Scene):
         found = scene.with_variants(*listed(variant)).with_settings(settings)
         found.check()
@@ -82,7 +108,7 @@ def as_scene(
 def options_of(
     rigid: Names, flexible: Names, large_deformation: Names, until: Quantity | None, tolerance: float | None
 ) -> Options:
-    """What every run is given from Python; see `simulate`."""
+    """Options that all runs share; see `simulate`."""
     return Options(
         rigid=frozenset(listed(rigid)),
         flexible=frozenset(listed(flexible)),
@@ -109,7 +135,7 @@ def run_options(
     record: Quantity = "all",
     signals: Names = (),
 ) -> Options:
-    """What `simulate` is given of a run."""
+    """Options of one run; see `simulate`."""
     return replace(
         options_of(rigid, flexible, large_deformation, until, tolerance),
         step=in_si(step, "s", "step"),
@@ -146,22 +172,67 @@ def simulate(
     replace: bool = True,
     progress: bool | Progress | None = None,
 ) -> Result:
-    """Deploy a scene and return what happened, in memory or in the file that `save` names.
+    """Simulate the deployment of a scene.
 
-    rigid, flexible, large_deformation: bodies by name, "all" for every one; others are what the scene says. until:
-    end time, s. tolerance: relative accuracy, by default that of the scene. step: a constant communication step size,
-    s. order: 2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
-    need a step. backend: "native" or "python" FMUs. checkpoint: simulated time (s) after which the file of the result
-    gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. isolate: every
-    FMU in a process of its own. estimate: tell the errors of headline numbers, for half the cost of the run. refine:
-    where these are likely to miss the tolerance, run again at a smaller one. record: which rows the result keeps,
-    "all" or one in so much time (s) beside those of events and peaks, so that headline numbers stay the same. signals:
-    which it keeps beside what headline numbers need, by COMPONENT or COMPONENT.VARIABLE, as patterns such as "hl1_*".
-    replace: an earlier result in the file; if false, only one of the same scene and settings is, and others are a
-    ResultError before the run. progress: a bar, by default in notebooks.
+    A scene with phases is simulated phase by phase, see `Scene.runs`. Problems that an engineer should act on are a
+    `FanfoldWarning` each, and are listed in `Result.warnings`.
 
-    What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
-    where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    rigid, flexible, large_deformation : str or sequence of str
+        names of bodies with this model, or "all"; by default the models of the scene
+    until : float or str, optional
+        end time, s; by default that of the scene
+    tolerance : float, optional
+        relative accuracy; by default that of the scene
+    step : float or str, optional
+        constant communication step size, s; by default the master controls the step size
+    order : {2, 4}, optional
+        order of the coupling; by default 4
+    master : {"implicit", "jacobi", "gauss-seidel"}
+        "jacobi" and "gauss-seidel" are explicit and need `step`
+    backend : {"native", "python"}, optional
+        implementation of the FMUs; by default native if compiled
+    save : str or Path, optional
+        result file (HDF5); by default the result is kept in memory
+    checkpoint : float or str, optional
+        simulated time between checkpoints, s, which `resume` continues from; checkpoints change the last digits
+    isolate : bool
+        run every FMU in its own process
+    estimate : bool
+        estimate the errors of headline numbers, for half the cost of the run
+    refine : bool
+        repeat the run with a smaller tolerance if estimated errors exceed the tolerance
+    record : float or str
+        rows of the result: "all", or time between rows, s; rows of events and peaks are always kept
+    signals : str or sequence of str
+        signals of the result, by patterns of COMPONENT or COMPONENT.VARIABLE such as "hl1_*"; signals of headline
+        numbers are always kept; by default all
+    replace : bool
+        replace an existing result; if False, only a result of the same scene and settings is replaced
+    progress : bool or callable, optional
+        progress bar; by default only in notebooks
+
+    Returns
+    -------
+    Result
+        signals, events, headline numbers with estimated errors, warnings
+
+    Raises
+    ------
+    SceneError
+        if the scene has problems
+    RunError
+        if the run cannot start, or fails before its end
+    ResultError
+        if `replace` is False and the file has a result of another scene or other settings
+
+    Examples
+    --------
+    >>> result = fanfold.simulate("amos3", rigid="all", save="amos3.h5")
+    >>> result.latch_times
     """
     checked = as_scene(scene).check_one_run()
     options = run_options(
@@ -195,19 +266,43 @@ def simulate(
 
 
 def resume(result: str | Path, *, progress: bool | Progress | None = None) -> Result:
-    """Go on with an interrupted run from its last checkpoint to its end, in every bit as it would have gone on.
+    """Continue an interrupted run from its last checkpoint, bit-identical to an uninterrupted run.
 
-    result: its file, beside which the checkpoint is; plugins that it names are loaded by `load_plugin` before. RunError
-    where there is none, where it is damaged, or where FMUs or versions are others than those that the run began with.
+    Parameters
+    ----------
+    result : str or Path
+        file of the interrupted result, next to its checkpoint; load its plugins with `load_plugin` first
+    progress : bool or callable, optional
+        progress bar; by default only in notebooks
+
+    Returns
+    -------
+    Result
+        the complete result
+
+    Raises
+    ------
+    RunError
+        if there is no checkpoint, it is damaged, or FMUs or versions differ from those of the run
     """
     found = resume_simulation(Path(result), progress=chosen(progress), warn=warn)
     return Result.of(found.outcome.result, found)
 
 
 def check(fmu: str | Path, run: bool = True) -> list[Problem]:
-    """Every problem of an FMU as a sentence; empty where there is none.
+    """Check an FMU against the FMI standard and the requirements of Fanfold.
 
-    `kind` of each: "breaks the standard", "Fanfold needs" or "advice". run: whether it makes two steps.
+    Parameters
+    ----------
+    fmu : str or Path
+        file of the FMU
+    run : bool
+        let the FMU make two steps; by default True
+
+    Returns
+    -------
+    list of Problem
+        a sentence each; `kind` is "breaks the standard", "Fanfold needs" or "advice"; empty if there is no problem
     """
     from fmus import check_fmu
 
@@ -224,11 +319,29 @@ def check_scene(
     large_deformation: Names = (),
     trust: bool = False,
 ) -> SceneCheck:
-    """A scene looked at before it is run: its problems and what is hardly meant, as sentences, and what it is made of.
+    """Check a scene without running it.
 
-    Problems are also those of variants that are not chosen, which runs do not look at.
-    `warnings`, `bodies`, `lines`, `loops` are records, `plot` draws it stowed and deployed. Where there are `problems`
-    there is nothing else. trust: see `load`. A scene in phases is checked phase by phase, see `Scene.runs`.
+    A scene with phases is checked phase by phase, see `Scene.runs`.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    variant, settings, trust
+        see `load`
+    rigid, flexible, large_deformation : str or sequence of str
+        names of bodies with this model, or "all"; by default the models of the scene
+
+    Returns
+    -------
+    SceneCheck
+        `problems` (also of variants that are not applied), `warnings` about probable mistakes, and `bodies`, `lines`,
+        `loops` as records; only `problems` if there are any; `plot` draws it stowed and deployed
+
+    Examples
+    --------
+    >>> found = fanfold.check_scene("amos3")
+    >>> found.problems, found.warnings
     """
     from ..analysis.scene_check import SceneCheck
     from ..analysis.scene_check import check_scene as look_at

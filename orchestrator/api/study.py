@@ -25,23 +25,29 @@ from .warnings import warn
 
 
 class Study(Record):
-    """What a study found; `study` returns one, `Study.open` reads one.
+    """Result of a study; `study` returns one, `Study.open` reads one.
 
-    `parameters`, `numbers`, `opened` and `signals` are arrays over the samples by name, `units` their units, `failed`
-    says which samples did not come to their end, and why.
+    Attributes
+    ----------
+    parameters, numbers, opened, signals : dict
+        arrays over the samples by name; failed samples are NaN
+    units : dict
+        units of parameters and numbers by name
+    failed : dict
+        why samples failed, by sample
     """
 
     @classmethod
     def of_record(cls, record: Record) -> Self:
-        """The same study with everything that is offered here."""
+        """The same study with the methods of this class."""
         return cls(*(getattr(record, one.name) for one in fields(Record)))
 
     def influence(self, number: str) -> Influence | None:
-        """How much each parameter moves a headline number; None where it does not change."""
+        """Sensitivity of a headline number to each parameter; None if the number does not change."""
         return influence(self, number)
 
     def plot_all(self, folder: str | Path, format: str = "png") -> list[Path]:
-        """Write every figure into a folder; the paths written."""
+        """Write all figures into a folder; returns their paths."""
         from ..views.study import plot_study
 
         return plot_study(self, Path(folder), format)
@@ -69,20 +75,58 @@ def study(
     replace: bool = True,
     progress: StudyProgress | None = None,
 ) -> Study:
-    """Run a scene many times with values drawn from distributions.
+    """Run a scene many times with parameters drawn from distributions.
 
-    vary: distributions by key, such as {"friction.coefficient": "uniform(0.05, 0.2)"}; a key that ends in * is
-    multiplied by what is drawn, keys with commas between get the same. Distributions are uniform, normal,
-    truncated_normal, lognormal, triangular and values; "lognormal(0.15 N.m, 40 %)" has its mean and its coefficient of
-    variation. method: "latin-hypercube", "random", "sobol", "sobol-indices",
-    "grid", "one-at-a-time" or "corners", the last two between bounds, or three standard deviations. runs, seed: of
-    random methods, which draw the same on every machine. levels: of a grid. workers: processes; cluster: address of a
-    Dask scheduler instead. rigid ... tolerance: as for `simulate`. estimate: errors of headline numbers in every run.
-    signals: what to keep over time, by patterns of COMPONENT.VARIABLE, at so many points; a FanfoldWarning tells of
-    those that nothing matches. save: an HDF5 file, beside which a table (.csv) is written; an interrupted study goes on
-    with `resume_study`. replace: an earlier study in that file; if false, only one of the same settings is.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    vary : mapping or sequence of str
+        distributions by key, such as ``{"friction.coefficient": "uniform(0.05, 0.2)"}``: uniform, normal,
+        truncated_normal, lognormal (mean, coefficient of variation), triangular or values; a key that ends in ``*`` is
+        a factor; keys separated by commas get the same value
+    method : str
+        "latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time" or "corners"; the last two use
+        bounds, or three standard deviations
+    runs : int
+        samples of random methods; by default 100
+    levels : int
+        levels of a grid; by default 5
+    seed : int
+        seed of random methods; samples are the same on every machine
+    workers : int
+        processes; by default 1
+    cluster : str, optional
+        address of a Dask scheduler, instead of `workers`
+    rigid, flexible, large_deformation, until, tolerance
+        see `simulate`
+    estimate : bool
+        estimate the errors of headline numbers in every run
+    signals : str or sequence of str
+        signals to keep, by patterns of COMPONENT.VARIABLE; a FanfoldWarning lists patterns without a match
+    points : int
+        equally spaced times of these signals; by default 201
+    save : str or Path, optional
+        file of the study (HDF5), next to a table (.csv); `resume_study` continues an interrupted study
+    replace : bool
+        replace an existing study; if False, only a study of the same settings is replaced
+    progress : callable, optional
+        progress bar
 
-    StudyError or SceneError where it cannot begin; samples that fail are kept in `failed`.
+    Returns
+    -------
+    Study
+        headline numbers, opened lines and signals of all samples; failed samples are listed in `failed`
+
+    Raises
+    ------
+    StudyError, SceneError
+        if the study cannot start
+
+    Examples
+    --------
+    >>> found = fanfold.study("amos3", {"friction.coefficient": "uniform(0.05, 0.2)"}, rigid="all", runs=50)
+    >>> found.quantiles("latch_time.HL1")
     """
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
@@ -99,7 +143,7 @@ _SCENE = "scene"
 
 
 def _tell_of_unknown_signals(task: Task) -> None:
-    """Before the first sample runs, as a study takes long."""
+    """Warn about patterns without a match before the first sample runs."""
     known = [tuple(name.partition("[")[0].split(".", 1)) for name in signals_of(task)] if task.signals else []
     components = list(dict.fromkeys(component for component, _ in known))
     unmatched = [
@@ -112,8 +156,8 @@ def _tell_of_unknown_signals(task: Task) -> None:
         warn(
             message(
                 "W-signals",
-                f"{task.scene.name}: no signal matches {', '.join(unmatched)}; patterns are COMPONENT or "
-                f"COMPONENT.VARIABLE, and components are {', '.join(components)}",
+                f"{task.scene.name}: no signal matches {', '.join(unmatched)}. Use patterns of COMPONENT or "
+                f"COMPONENT.VARIABLE; components are {', '.join(components)}.",
             )
         )
 
@@ -126,10 +170,26 @@ def resume_study(
     trust: bool = False,
     progress: StudyProgress | None = None,
 ) -> Study:
-    """Go on with the interrupted study that was to be saved in a file, or open the one that is whole there.
+    """Continue an interrupted study, or open a complete one.
 
-    trust: files of bodies and FMUs that it names may be opened; its plugins are loaded by `load_plugin` before.
-    StudyError where there is neither, or where files that its bodies are read from have changed.
+    Parameters
+    ----------
+    path : str or Path
+        file of the study; load its plugins with `load_plugin` first
+    workers, cluster, progress
+        see `study`
+    trust : bool
+        open files of bodies and FMUs that the study names
+
+    Returns
+    -------
+    Study
+        the complete study
+
+    Raises
+    ------
+    StudyError
+        if there is no study, or files of its bodies have changed
     """
     if Path(path).is_file() and not journal_file(Path(path)).is_file():
         return Study.open(path)

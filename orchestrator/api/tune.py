@@ -1,4 +1,4 @@
-"""Tuning from Python: values of a scene's keys that bring it where it is wanted."""
+"""Tuning from Python: fit parameters of a scene to target values."""
 
 from __future__ import annotations
 
@@ -31,18 +31,47 @@ def tune(
     tolerance: float | None = None,
     watch: Callable[[int, float], None] = lambda runs, residual: None,
 ) -> Tuned:
-    """Find values within ranges that bring headline numbers, and measured curves, where they are wanted.
+    """Fit parameters of a scene to target values of headline numbers and to measured curves.
 
-    vary: ranges by key, such as {"hinge_line.HL1.motor.stowed": "uniform(1.2 N.m, 2 N.m)"}; a key that ends in * is
-    multiplied, keys with commas between get the same. targets: by identifier, such as {"latch_time.HL1": "11.6 s"}
-    or {"latch_rate.HL2": "2 deg/s"}, in the unit that headline numbers are told in. curve: a CSV file, times (s) in the
-    first column, others headed COMPONENT.VARIABLE, with [1] for the first of several. Bounded least squares from the
-    scene's own values, with derivatives as `gradients` has them or by differences of runs. accuracy:
-    largest relative difference to end with. most_runs: what it may cost, derivatives included; the best so far is
-    returned then, with `reached` False. workers: processes. watch: takes how many runs were made and the smallest
-    residual. rigid ... tolerance: as for `simulate`; let it be well below the accuracy.
+    Bounded least squares from the values of the scene, with derivatives from `gradients` or finite differences.
 
-    StudyError or SceneError where it cannot begin.
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    vary : mapping or sequence of str
+        ranges by key, such as ``{"hinge_line.HL1.motor.stowed": "uniform(1.2 N.m, 2 N.m)"}``; a key that ends in ``*``
+        is a factor; keys separated by commas get the same value
+    targets : mapping or sequence of str
+        values by identifier of the headline number, such as ``{"latch_time.HL1": "11.6 s"}``; plain numbers are in the
+        unit of the table of headline numbers
+    curve : str or Path, optional
+        CSV file with times (s) in the first column, other columns headed COMPONENT.VARIABLE or COMPONENT.VARIABLE[1]
+    accuracy : float
+        largest relative difference to the targets; by default 1e-4
+    most_runs : int
+        limit on the number of runs, derivatives included; by default 100
+    workers : int
+        processes; by default 1
+    rigid, flexible, large_deformation, until, tolerance
+        see `simulate`; choose `tolerance` well below `accuracy`
+    watch : callable, optional
+        called with the number of runs and the smallest residual
+
+    Returns
+    -------
+    Tuned
+        values, settings, residual; `reached` is False if the targets are missed by more than `accuracy`
+
+    Raises
+    ------
+    StudyError, SceneError
+        if the tuning cannot start
+
+    Examples
+    --------
+    >>> keys = {"hinge_line.HL1.motor.stowed": "uniform(1.2 N.m, 2 N.m)"}
+    >>> fanfold.tune("amos3", keys, {"latch_time.HL1": "11.6 s"}, rigid="all").settings
     """
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     wanted = (

@@ -30,15 +30,40 @@ def export_view(
     tolerance: float | None = None,
     replace: bool = False,
 ) -> list[Path]:
-    """Write a result as a file that other programs read, and return the paths to open.
+    """Export a result for other programs.
 
-    format: "glb" (animated bodies, glTF 2.0), "vtu" (.pvd, a series for ParaView), "csv" or "mat" (MATLAB); by default
-    what the ending of the path says. csv and mat: signals, patterns of COMPONENT or COMPONENT.VARIABLE as of file
-    names, by default all; every, s from row to row, linear between recorded ones, by default these. vtu: frames, at
-    equal steps in time, by default 60, or times (s), at the recorded rows nearest to them; stress, False leaves out
-    von Mises stress. glb: tolerance, m that no node is off by between the keys of the animation, by default 1e-4 of
-    the structure's size. replace: what is there already. ResultError where the result does not hold what is to be
-    shown, or nothing can be written; a FanfoldWarning tells what is not shown.
+    Parameters
+    ----------
+    result : Result, str or Path
+        result, or its file
+    path : str or Path
+        file to write
+    format : {"glb", "vtu", "csv", "mat"}, optional
+        animated bodies (glTF 2.0), series for ParaView (.pvd), table, MATLAB; by default from the suffix of `path`
+    signals : str or sequence of str
+        csv, mat: patterns of COMPONENT or COMPONENT.VARIABLE; by default all signals
+    every : float, optional
+        csv, mat: time between rows, s, interpolated linearly; by default the recorded rows
+    frames : int, optional
+        vtu: number of equally spaced times; by default 60
+    times : sequence of float, optional
+        vtu: times, s; the nearest recorded rows are used
+    stress : bool, optional
+        vtu: False omits von Mises stress
+    tolerance : float, optional
+        glb: largest position error between the keys of the animation, m; by default 1e-4 of the structure's size
+    replace : bool
+        replace existing files
+
+    Returns
+    -------
+    list of Path
+        files to open
+
+    Raises
+    ------
+    ResultError
+        if the result lacks the data, or the file cannot be written
     """
     from ..views.viewers.output import format_of, refuse_to_lose
 
@@ -53,7 +78,8 @@ def export_view(
         warn(
             message(
                 "W-incomplete",
-                f"{found.name}: the run was interrupted at {found.time[-1]:.6g} s; nothing after that is exported",
+                f"{found.name}: the run was interrupted at {found.time[-1]:.6g} s, and the export ends there. "
+                "Resume the run to export all of it.",
             )
         )
     if kind == "glb":
@@ -68,7 +94,7 @@ def export_view(
 
 
 def _refuse_idle(kind: str, formats: tuple[str, ...], **options: object) -> None:
-    """ResultError where an option is given that means nothing in a format."""
+    """ResultError for an option that has no effect in the format."""
     given = [name for name, value in options.items() if value is not None]
     if given and kind not in formats:
         raise ResultError(

@@ -1,4 +1,4 @@
-"""How people are told of what is not as it should be."""
+"""Warnings of the Python face."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..messages import code_of
 
 
 class FanfoldWarning(UserWarning):
-    """A problem that a careful engineer acts on; `code` names its kind, such as "W-motor-short"."""
+    """A problem that an engineer should act on; `code` names its kind, such as "W-motor-short"."""
 
     @property
     def code(self) -> str:
@@ -18,7 +18,7 @@ class FanfoldWarning(UserWarning):
 
 
 def warn(sentence: str) -> None:
-    """Warn where the code stands that called us."""
+    """Issue a FanfoldWarning at the caller's line of code outside of this package."""
     level, frame = 2, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == "orchestrator":
         level, frame = level + 1, frame.f_back

@@ -38,8 +38,8 @@ def effective_inertia(scene: CheckedScene, line: HingeLine) -> float:
     except np.linalg.LinAlgError:
         raise SceneError(
             [
-                f"{scene.file}: hinge_line.{line.name}.latch.effective_inertia: it cannot be told from masses and "
-                "inertias this unlike; check these, or give it"
+                f"{scene.file}: hinge_line.{line.name}.latch.effective_inertia: cannot be computed from masses and "
+                "inertias of such different sizes; check these, or set it"
             ]
         ) from None
 

@@ -100,12 +100,12 @@ def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterato
             place = (
                 "it locks"
                 if setting.kind == "kinematic"
-                else f"a spring of {setting.stiffness:.4g} N.m/rad does"
+                else f"a spring of {setting.stiffness:.4g} N.m/rad is"
             )
             yield (
-                f"hinge_line.{line.name}.latch.measured: it is the torque of hinges beside which all compliance is "
-                f"modelled, and is not followed here, as {line.inboard} or {line.outboard} is rigid, or its kind says "
-                f"otherwise; {place} instead"
+                f"hinge_line.{line.name}.latch.measured: the curve is not used, because {line.inboard} or "
+                f"{line.outboard} is rigid or latch.kind is another one; {place} instead. Set the fidelity of both "
+                "bodies, or latch.kind."
             )
 
 
@@ -122,9 +122,9 @@ def contradicted_curves(scene: CheckedScene) -> Iterator[str]:
             continue
         if not slopes.min() / _FAR_OFF < 1.0 / missing < _FAR_OFF * slopes.max():
             yield (
-                f"hinge_line.{line.name}.latch: its stiffnesses leave {1.0 / missing:.4g} N.m/rad for the hinges, by "
-                f"which they are damped, and the measured curve has {slopes.min():.4g} to {slopes.max():.4g}; both "
-                "should be of the same hinges"
+                f"hinge_line.{line.name}.latch: its stiffnesses leave {1.0 / missing:.4g} N.m/rad for the hinges, "
+                f"but the measured curve has {slopes.min():.4g} to {slopes.max():.4g} N.m/rad. Use values of the "
+                "same hinges."
             )
 
 

@@ -298,9 +298,7 @@ class _Reader:
                 theirs, factor = base_unit(said)
                 offset = 0.0
         except ComponentError:
-            raise ValueError(
-                f"is in {said!r}, of which the FMU tells no base unit; {unit} is needed"
-            ) from None
+            raise ValueError(f"is in {said!r}, a unit that the FMU does not define; use {unit}") from None
         if any((theirs.get(name) or 0) != ours.get(name, 0) for name in _BASE):
             raise ValueError(f"is in {said}, which cannot be converted to {unit}")
         if unit == "rad/s" and not (theirs.get("rad") or _ANGLE.search(said)):

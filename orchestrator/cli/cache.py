@@ -1,4 +1,4 @@
-"""`fanfold cache`: what is kept on disk from one run to the next."""
+"""`fanfold cache`: location and size of the cache on disk."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import orchestrator as fanfold
 
 
 @click.command("cache")
-@click.option("--clear", is_flag=True, help="Remove it; the next runs compute it again.")
+@click.option("--clear", is_flag=True, help="Remove its files; the next runs compute them again.")
 def command(clear: bool) -> None:
-    """Tell the place and size of the cache of reduced bodies and compressed FMU code."""
+    """Print the location and size of the cache of reduced bodies and compressed FMU code."""
     found = fanfold.cache(clear=clear)
     if found.sentence:
         click.echo(f"fanfold: warning: {found.sentence}", err=True)

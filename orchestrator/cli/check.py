@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for the picture of a scene.",
+    help="Folder of the picture of the scene.",
 )
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, of a scene.")
-@click.option("--run/--no-run", default=True, help="Whether FMUs make two steps, in a process of their own.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object (scenes only).")
+@click.option("--run/--no-run", default=True, help="Let FMUs make two steps, in their own process.")
 def command(
     what: tuple[str, ...],
     variants: tuple[str, ...],
@@ -41,11 +41,12 @@ def command(
     run: bool,
     trust: bool,
 ) -> None:
-    """Check a SCENE without running it, or FMUs: files that end with .fmu; exit code 1 if there is any problem.
+    """Check a SCENE without running it, or FMUs (files with the suffix .fmu). Exit code 1 if there is any problem.
 
-    An FMU breaks the standard, lacks what Fanfold needs, or is given advice, which alone is no problem.
+    Prints problems of a scene, warnings about probable mistakes, tables of its bodies, lines and loops, and writes a
+    picture.
 
-    Of a scene: problems, what is hardly meant, tables of bodies, lines and expected travels, and a picture.
+    A problem of an FMU breaks the standard or a requirement of Fanfold; advice alone is no problem.
     """
     fmus = [one for one in what if Path(one).suffix.lower() == ".fmu"]
     if fmus and len(fmus) == len(what):
@@ -57,7 +58,7 @@ def command(
 
 
 def _check_fmus(paths: list[str], run: bool) -> bool:
-    """Print every problem of FMUs; whether there is any beyond advice."""
+    """Print every problem of FMUs; returns whether there is any problem other than advice."""
     from ..results.parts import printable  # takes its time, which --help need not
 
     found = False
@@ -69,14 +70,14 @@ def _check_fmus(paths: list[str], run: bool) -> bool:
         for problem in problems:
             click.echo(f"{Path(path).name}: {problem.kind}: {printable(problem)}")
         if not problems:
-            click.echo(f"{Path(path).name}: no problem found")
+            click.echo(f"{Path(path).name}: OK")
     return found
 
 
 def _check_scene(
     choice: SceneChoice, large_deformation: frozenset[str], folder: Path | None, as_json: bool
 ) -> bool:
-    """Print what there is to say of every run of a scene; whether there is any problem."""
+    """Print the check of every run of a scene; returns whether there is any problem."""
     try:
         runs = choice.load().runs
         found = {
@@ -100,7 +101,7 @@ def _check_scene(
 
 
 def _print(found: SceneCheck, asked: Path | None, usual: Path) -> None:
-    """Doubts, tables, and the file of the picture."""
+    """Print tables and warnings, and write the picture."""
     from .picture_list import pictures
     from .scene_tables import scene_tables
     from .tables import terminal
@@ -111,7 +112,7 @@ def _print(found: SceneCheck, asked: Path | None, usual: Path) -> None:
     for sentence in found.warnings:
         click.echo(f"warning: {sentence}")
     count = len(found.warnings)
-    told = f", {count} warning{'s' if count > 1 else ''}" if count else ""
-    click.echo(f"{found.scene}: no problem found{told}")
+    words = f", {count} warning{'s' if count > 1 else ''}" if count else ""
+    click.echo(f"{found.scene}: OK{words}")
     for path in pictures(found, asked, usual):
         click.echo(path)

@@ -1,4 +1,4 @@
-"""`fanfold compare`: two results side by side, as a table and overlays."""
+"""`fanfold compare`: two results as a table of peaks and overlaid pictures."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
-    """Set result B against result A: table of peaks and shifts in time, overlays."""
+    """Compare result B with result A: peaks, ratios, time shifts, overlaid pictures."""
     from ..results.compare import by_component, end_note, labels
     from ..results.differences import differences, scene_note
     from .tables import terminal
@@ -75,7 +75,7 @@ def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
             say(f"{name} was interrupted at {result.time[-1]:.6g} s")
         for component, variables in by_component(signals).items():
             whole = len(variables) == len(result.variables(component))
-            say(f"only {name} has {component}{'' if whole else ': ' + ', '.join(variables)}")
+            say(f"only in {name}: {component}{'' if whole else ': ' + ', '.join(variables)}")
     for path in pictures:
         click.echo(path)
 

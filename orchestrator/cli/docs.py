@@ -1,4 +1,4 @@
-"""`fanfold docs`: the documents in a browser, and the keys of scenes for editors."""
+"""`fanfold docs`: the documents in a browser, and the JSON schema of scene files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .types import OutputFile
 
 @click.command("docs")
 @click.option(
-    "--browser/--no-browser", default=True, help="Whether the first page is opened, or its path only told."
+    "--browser/--no-browser", default=True, help="Open the first page in a browser, or only print its path."
 )
 @click.option(
     "-o",
@@ -24,18 +24,18 @@ from .types import OutputFile
     "--output",
     "out",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder of the pages; by default beside the cache.",
+    help="Folder of the pages; by default next to the cache.",
 )
 @click.option(
-    "--gallery/--no-gallery", default=True, help="Whether examples are run too, which takes a minute or two."
+    "--gallery/--no-gallery", default=True, help="Also run the examples, which takes one or two minutes."
 )
-@click.option("--rebuild", is_flag=True, help="Build what is there too, such as to measure on this machine.")
+@click.option("--rebuild", is_flag=True, help="Build in any case, for example to measure on this machine.")
 @click.option(
     "--json-schema", "schema", type=OutputFile(),
-    help="Write the JSON schema of scene files, for editors, and nothing else.",
+    help="Only write the JSON schema of scene files, for editors, to this file.",
 )  # fmt: skip
 def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schema: Path | None) -> None:
-    """Open the documents, which are built (extra docs) where they are not there."""
+    """Build the documents if they are missing or out of date (needs the extra docs), and open them."""
     if schema is not None:
         text = json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False)
         schema.write_text(f"{text}\n", encoding="utf-8")

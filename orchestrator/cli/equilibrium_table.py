@@ -14,7 +14,7 @@ _NUMBER = 7
 
 
 def print_loads(found: Equilibrium) -> None:
-    """Holding torques of lines, then all loads beside which round-off is nothing."""
+    """Holding torques of lines, then all loads above round-off."""
     table = plain_table("static equilibrium")
     table.add_column("connection")
     table.add_column("load")
@@ -35,8 +35,8 @@ def print_loads(found: Equilibrium) -> None:
     left_out = len(rows) - len(shown)
     if left_out:
         console.print(
-            f"{left_out} {'load is' if left_out == 1 else 'loads are'} left out, zero or below a millionth of the "
-            "largest; --json lists all"
+            f"{left_out} {'load is' if left_out == 1 else 'loads are'} not shown: zero, or below a millionth of "
+            "the largest; --json lists all"
         )
 
 

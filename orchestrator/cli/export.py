@@ -44,7 +44,7 @@ def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[fl
 )
 @click.option(
     "--wrench-mode", type=click.Choice(["endpoint", "mean"]),
-    help="endpoint for other tools, mean for the implicit master.",
+    help="endpoint (default) for other tools, mean for the implicit master.",
 )  # fmt: skip
 @click.option(
     "--fmi", type=click.Choice(["2.0", "3.0"]), default="2.0", show_default=True,
@@ -52,20 +52,25 @@ def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[fl
 )  # fmt: skip
 @click.option(
     "--ssp", type=click.Path(path_type=Path, dir_okay=False),
-    help="One file with all FMUs and their connections (SSP 1.0).",
+    help="Also write one SSP 1.0 file with all FMUs and their connections.",
 )  # fmt: skip
-@click.option("--sources", is_flag=True, help="Add the C sources, to be compiled on other platforms.")
+@click.option("--sources", is_flag=True, help="Add the C sources, for compilation on other platforms.")
 @click.option(
     "--platforms", multiple=True, callback=ordered_names, metavar="NAMES",
-    help="Libraries for linux64, aarch64-linux, win64, darwin64, aarch64-darwin, wasm32, or all; by default for here.",
+    help=(
+        "Platforms of the libraries: linux64, aarch64-linux, win64, darwin64, aarch64-darwin, wasm32, or all; by "
+        "default this machine."
+    ),
 )  # fmt: skip
 @click.option(
-    "--as-one", is_flag=True, help="One FMU of the whole scene, with the master that couples its components."
+    "--as-one",
+    is_flag=True,
+    help="One FMU of the whole scene, including the master that couples its components.",
 )
 @click.option(
     "--driven-base",
     is_flag=True,
-    help="With --as-one: the base moves by inputs, its rates and accelerations.",
+    help="With --as-one: the base moves by inputs, its pose, rates and accelerations.",
 )
 @backend_option
 def command(
@@ -81,7 +86,7 @@ def command(
     driven_base: bool,
     backend: Backend | None,
 ) -> None:
-    """Write every component of SCENE as an FMU, or SCENE as one."""
+    """Export the components of SCENE as FMUs, or the whole SCENE as one FMU."""
     from rich.console import Console
 
     with Console(stderr=True).status("exporting") as status:
@@ -114,7 +119,7 @@ def command(
 
 
 def _needs() -> str:
-    """A line on the C library that native FMUs from here need; empty where they need none of GNU, or there are none."""
+    """Message about the C library that native FMUs of this machine need; empty if they need none of GNU."""
     from fmus import PLATFORMS, native_library
     from fmus.binary import glibc_of
     from fmus.description.binaries import folder_here
@@ -125,7 +130,7 @@ def _needs() -> str:
         return ""
     here = [name for name, platform in PLATFORMS.items() if platform.folder3 == folder_here("3.0")]
     older = "".join(f"; --platforms {name} for 2.17" for name in here)
-    return f"binary of this machine: glibc {version[0]}.{version[1]} or newer{older}"
+    return f"this library needs glibc {version[0]}.{version[1]} or newer{older}"
 
 
 @click.command("export-body")
@@ -133,11 +138,13 @@ def _needs() -> str:
 @click.argument("body")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), required=True,
-    help="File that ends with .npz, .op4 or .asm (a superelement of Nastran, with .op4 and .pch).",
+    help="File: .npz, .op4 or .asm (Nastran superelement, with .op4 and .pch).",
 )  # fmt: skip
-@click.option("--modes", type=Count(min=0), help="Fixed-interface modes; by default those of the scene.")
+@click.option(
+    "--modes", type=Count(min=0), help="Number of fixed-interface modes; by default that of the scene."
+)
 def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None) -> None:
-    """Write BODY of SCENE as a Craig-Bampton model, and print the entry of a scene file that has it from there."""
+    """Export BODY of SCENE as a Craig-Bampton model, and print the table that imports it into a scene file."""
     found = fanfold.export_body(choice.load(), body, output, modes=modes)
     click.echo(f"# {found.path}")
     click.echo(found.to_toml(), nl=False)
@@ -147,32 +154,30 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option(
     "-o", "--out", "--output", "output", type=OutputFile(), required=True,
-    help="File that ends with .glb, .pvd, .csv or .mat.",
+    help="File: .glb, .pvd, .csv or .mat.",
 )  # fmt: skip
-@click.option("--format", metavar="glb|vtu|csv|mat", help="By default what the ending of the file says.")
+@click.option("--format", metavar="glb|vtu|csv|mat", help="Format; by default from the suffix of the file.")
 @click.option(
     "--tolerance", type=Number(min=0.0, min_open=True), metavar="METRES",
-    help="glb: no node is off by more between the keys of the animation; by default 1e-4 of the structure's size.",
+    help="glb: largest position error between the keys of the animation; by default 1e-4 of the structure's size.",
 )  # fmt: skip
-@click.option("--frames", type=Count(min=1), help="vtu: files at equal steps in time; by default 60.")
+@click.option("--frames", type=Count(min=1), help="vtu: number of equally spaced times; by default 60.")
 @click.option(
     "--times", callback=_times, metavar="SECONDS",
-    help="vtu: with commas between; the recorded rows nearest to them.",
+    help="vtu: times, separated by commas; the nearest recorded rows are used.",
 )  # fmt: skip
-@click.option(
-    "--no-stress", is_flag=True, help="vtu: leave out von Mises stress, whose recovery takes its time."
-)
+@click.option("--no-stress", is_flag=True, help="vtu: omit von Mises stress, which takes time to compute.")
 @click.option(
     "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",
-    help="csv, mat: signals, with commas between, such as 'hl1_*,panel1.frame_*'; by default all.",
+    help="csv, mat: patterns of signals, separated by commas, such as 'hl1_*,panel1.frame_*'; by default all.",
 )  # fmt: skip
 @click.option(
     "--every", type=Seconds(min=0.0, min_open=True), metavar="SECONDS",
-    help="csv, mat: rows at equal spacing, linear between recorded ones; by default these.",
+    help="csv, mat: time between rows, interpolated linearly; by default the recorded rows.",
 )  # fmt: skip
-@click.option("--replace", is_flag=True, help="Replace what is there already.")
+@click.option("--replace", is_flag=True, help="Replace existing files.")
 @result_options
 def view_command(result: Path, output: Path, no_stress: bool, **options: Any) -> None:  # noqa: ANN401
-    """Write RESULT for other programs: animated bodies (glb), fields (vtu), a table (csv), MATLAB (mat)."""
+    """Export RESULT for other programs: animated bodies (glb), fields (vtu), a table (csv), MATLAB (mat)."""
     for path in fanfold.export_view(result, output, stress=False if no_stress else None, **options):
         click.echo(path)

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 @click.option(
     "--names",
     is_flag=True,
-    help="Only scenes with their variants, one line each, as arguments of `fanfold run`.",
+    help="Print only scenes and their variants, one per line, as arguments of `fanfold run`.",
 )
 @plugin_option
 def command(name: str | None, names: bool) -> None:
-    """List scenes and components, or show the keys of NAME.
+    """List scenes and components, or describe NAME.
 
     NAME is a component, a table of scene files such as hinge_line, latch or panel, or `distributions` of studies.
     """
@@ -125,7 +125,7 @@ def _list_all() -> None:
 
 
 def _describe(kind: type[Component]) -> None:
-    """What a component takes and tells, from its own declarations; variables are those of its example."""
+    """Print the declarations of a component; variables are those of its example."""
     from inspect import getdoc
 
     from .tables import plain_table, terminal
@@ -135,11 +135,11 @@ def _describe(kind: type[Component]) -> None:
     console.print(f"{kind.kind}: " + "\n\n".join(paragraphs) + "\n", markup=False, highlight=False)
     ports = ", ".join(port.name for port in example.ports)
     side = (
-        "take motion and give a wrench"
+        "receive motion and return a wrench"
         if example.ports[0].side == "connection"
-        else "take a wrench and give motion"
+        else "receive a wrench and return motion"
     )
-    varies = "as its structure says, such as " if kind.ports_vary else ""
+    varies = "set by its structure, such as" if kind.ports_vary else ""
     console.print(f"ports: {varies}{ports}; they {side}\n", markup=False, highlight=False)
     structure = plain_table("structure")
     structure.add_column("key", no_wrap=True)
@@ -158,7 +158,7 @@ def _describe(kind: type[Component]) -> None:
 
 
 def _print_laws(kind: type[Component]) -> None:
-    """Terms that a motion law has, of a component whose file knows of such laws."""
+    """Print the terms of motion laws, if the component has such laws."""
     from components.numerics.motion_law import MEANING, PROFILES, MotionLaw
 
     from .tables import plain_table, terminal

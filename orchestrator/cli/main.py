@@ -36,7 +36,7 @@ class _Group(click.Group):
         ):  # nobody reads on, which click ends quietly; or its own refusals
             raise
         except OSError as error:
-            problem = _told_of_files(error)
+            problem = _file_problem(error)
         except KeyboardInterrupt:  # outside of a run, which says itself how far it came
             problem = f"{ctx.invoked_subcommand}: interrupted"
         except Exception as error:
@@ -58,8 +58,8 @@ def _was_interrupted(error: BaseException | None) -> bool:
     return error is not None
 
 
-def _told_of_files(error: OSError) -> str:
-    """Which file, or where it may have been, and what was wrong with it."""
+def _file_problem(error: OSError) -> str:
+    """The file, or the likely folder, and the error of the operating system."""
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     if error.errno in {ENOSPC, EDQUOT, EFBIG}:
@@ -71,7 +71,7 @@ def _told_of_files(error: OSError) -> str:
 
 @contextmanager
 def _warnings_as_sentences() -> Iterator[None]:
-    """Tell warnings about runs as sentences on standard error, every time."""
+    """Print warnings of runs as sentences on standard error, every time."""
     with warnings.catch_warnings():
         warnings.filterwarnings("always", category=UserWarning)
         usual = warnings.showwarning

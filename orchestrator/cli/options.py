@@ -31,7 +31,7 @@ class Fidelities(TypedDict):
 
 @dataclass(frozen=True, slots=True)
 class SceneChoice:
-    """A scene as the command line asks for it: its name or file, layers over it, bodies to be rigid or flexible."""
+    """A scene on the command line: name or file, variants, settings, models of bodies."""
 
     scene: str
     variants: tuple[str, ...] = ()
@@ -96,15 +96,17 @@ def scene_options(command: Command) -> Command:
 def _layer_options(command: Command) -> Command:
     command = click.option(
         "--set", "settings", multiple=True, metavar="KEY=VALUE",
-        help="Lay one value over the scene, such as body.panel.fixed_interface_modes=5 or 'hinge_line.HL.start_angle="
-        "90 deg'; plain numbers are SI, as in scene files; repeatable.",
+        help=(
+            "Change one value of the scene, such as body.panel.fixed_interface_modes=5 or "
+            "'hinge_line.HL.start_angle=90 deg'; plain numbers are in SI units; repeatable."
+        ),
     )(command)  # fmt: skip
     command = plugin_option(
-        click.option("--trust", is_flag=True, help="Let plugins of the scene run, until they change.")(
-            command
-        )
+        click.option(
+            "--trust", is_flag=True, help="Let plugins of the scene run, now and until they change."
+        )(command)
     )
-    text = "Variants of the scene, with commas between, in order."
+    text = "Variants of the scene, separated by commas, applied in order."
     return click.option(
         "--variant", "variants", multiple=True, callback=ordered_names, metavar="NAMES", help=text
     )(command)
@@ -112,7 +114,7 @@ def _layer_options(command: Command) -> Command:
 
 def _fidelity_options(command: Command) -> Command:
     for option, other in (("--flexible", "modal"), ("--rigid", "rigid")):
-        text = f"Bodies to be {other}, by name with commas between, or all."
+        text = f"Names of bodies to model as {other}, separated by commas, or all."
         command = click.option(option, multiple=True, callback=names, metavar="NAMES", help=text)(command)
     return command
 
@@ -121,7 +123,7 @@ def large_deformation_option(command: Command) -> Command:
     """The third fidelity, for commands that are no linear analyses."""
     return click.option(
         "--large-deformation", multiple=True, callback=names, metavar="NAMES",
-        help="Bodies to be geometrically exact beams, by name with commas between, or all that have a beam.",
+        help="Names of bodies to model as geometrically exact beams, separated by commas, or all.",
     )(command)  # fmt: skip
 
 
@@ -134,14 +136,14 @@ def result_options(command: Callable[..., None]) -> Callable[..., None]:
             fanfold.trust(result)
         command(**kwargs)
 
-    text = "Open the files of bodies and FMUs that the result names; remembered."
+    text = "Trust the files of bodies and FMUs that the result names, now and later."
     return plugin_option(click.option("--trust", is_flag=True, help=text)(trusting))
 
 
 def replace_option(command: Command) -> Command:
     """The option of commands whose file is kept from one of other settings."""
     return click.option(
-        "--replace", is_flag=True, help="Replace what is there, even if it was made with other settings."
+        "--replace", is_flag=True, help="Replace an existing file, even if it was made with other settings."
     )(command)
 
 
@@ -155,7 +157,7 @@ def plugin_option(command: Command) -> Command:
 
     return click.option(
         "--plugin", multiple=True, metavar="FILE", expose_value=False, callback=load_each,
-        help="Components and figures (.py) or bodies (.toml) of one's own; repeatable.",
+        help="File with your components or figures (.py) or bodies (.toml); repeatable.",
     )(command)  # fmt: skip
 
 
@@ -174,7 +176,7 @@ def backend_option(command: Command) -> Command:
         "--backend",
         type=click.Choice(["native", "python"]),
         callback=_offered_backend,
-        help="Native FMUs, or PythonFMUs; native by default where a C compiler built them at installation.",
+        help="Native FMUs or PythonFMUs; by default native, if a C compiler built them at installation.",
     )(command)
 
 

@@ -1,4 +1,4 @@
-"""Pictures of what commands found, beside the numbers that they print."""
+"""Pictures of analyses that commands write in addition to numbers."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 def pictures(found: Found, asked: Path | None, usual: Path) -> list[Path]:
-    """Those written into the folder asked for, else into the usual one.
+    """Pictures in the requested folder, or else in the usual folder.
 
-    None, and a sentence, where the usual one cannot be written to: the numbers need no folder.
+    If the usual folder is not writable, there are none, with a warning.
     """
     try:
         return fanfold.plot(found, asked or usual)

@@ -19,7 +19,7 @@ from .progress import working
 )
 @result_options
 def command(result: Path, output: Path | None) -> None:
-    """Draw the pictures of RESULT."""
+    """Write the pictures of RESULT."""
     with working("plot") as watch:
         paths = fanfold.Result.open(result).plot_all(output or result.with_suffix(""), watch=watch)
     for path in paths:

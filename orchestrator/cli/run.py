@@ -1,4 +1,4 @@
-"""`fanfold run` and `fanfold resume`: deploy a scene, and go on with a run that was interrupted."""
+"""`fanfold run` and `fanfold resume`: simulate a scene, and continue an interrupted run."""
 
 from __future__ import annotations
 
@@ -44,20 +44,32 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @scene_choice
 @large_deformation_option
 @backend_option
-@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
-@click.option("--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time in seconds.")
+@click.option(
+    "--tolerance", type=Number(min=1e-10, max=0.1), help=("Relative accuracy; by default that of the scene.")
+)
+@click.option(
+    "--until",
+    type=Seconds(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help=("End time, in seconds; by default that of the scene."),
+)
 @click.option(
     "-o", "--output", type=OutputFile(),
-    help="Result file (HDF5), by default SCENE.h5, or SCENE.rigid.h5, SCENE.mixed.h5 where bodies are not as the scene "
-    "says.",
+    help=(
+        "Result file (HDF5); by default SCENE.h5, or SCENE.rigid.h5, SCENE.mixed.h5 for other models of bodies "
+        "than those of the scene."
+    ),
 )  # fmt: skip
 @replace_option
 @click.option(
-    "--step", type=Seconds(min=1e-7), metavar="SECONDS", help="Fixed communication step size in seconds."
+    "--step",
+    type=Seconds(min=1e-7),
+    metavar="SECONDS",
+    help=("Constant communication step size, in seconds; by default step-size control."),
 )
 @click.option(
     "--order", type=click.Choice(["auto", "2", "4"]), default="auto", show_default=True,
-    help="Order of the coupling: wrenches constant or linear in time over a step; auto: 4.",
+    help="Order of the coupling: wrenches constant (2) or linear (4) in time over a step; auto: 4.",
 )  # fmt: skip
 @click.option(
     "--master",
@@ -67,27 +79,36 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 )
 @click.option(
     "--checkpoint", type=Seconds(min=0.0, min_open=True), metavar="SECONDS",
-    help="Keep a checkpoint after so much simulated time, from which `fanfold resume` goes on; last digits differ from "
-    "those of a run without.",
+    help=(
+        "Simulated time between checkpoints, from which `fanfold resume` continues; checkpoints change the last "
+        "digits."
+    ),
 )  # fmt: skip
-@click.option("--isolate", is_flag=True, help="Every FMU in a process of its own: what breaks it is named.")
-@click.option("--verify", "with_verify", is_flag=True, help="Repeat with steps halved; report errors.")
+@click.option("--isolate", is_flag=True, help="Run every FMU in its own process, so that a crash names it.")
+@click.option(
+    "--verify",
+    "with_verify",
+    is_flag=True,
+    help=("Repeat with halved and quartered steps; print errors and orders."),
+)
 @click.option(
     "--estimate/--no-estimate", "with_estimate", default=True, show_default=True,
     help="Estimate the errors of headline numbers, for half the cost of the run.",
 )  # fmt: skip
 @click.option(
     "--refine/--no-refine", "refine", default=True, show_default=True,
-    help="Where estimated errors are likely to miss the tolerance, run again at a smaller one.",
+    help="Repeat the run with a smaller tolerance if estimated errors exceed the tolerance.",
 )  # fmt: skip
 @click.option(
     "--record", type=Spacing(), default="all", show_default=True, metavar="all|SECONDS",
-    help="Rows that the result keeps: all, or one in so many seconds beside those of events and peaks.",
+    help="Rows of the result: all, or time between rows; rows of events and peaks are always kept.",
 )  # fmt: skip
 @click.option(
     "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",
-    help="Signals that the result keeps beside those of headline numbers, with commas between, such as "
-    "'hl1_*,panel1.frame_*'; by default all.",
+    help=(
+        "Signals of the result, in addition to those of headline numbers: patterns separated by commas, such as "
+        "'hl1_*,panel1.frame_*'; by default all."
+    ),
 )  # fmt: skip
 @every_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
@@ -112,9 +133,9 @@ def command(
     as_json: bool,
     backend: Backend | None,
 ) -> None:
-    """Deploy SCENE, the name of a scene or a scene file, and write its result.
+    """Simulate the deployment of SCENE, a built-in scene or a scene file, and write its result.
 
-    Exit codes: 0, every line that should open has; 3, one has not; 1, the run failed; 2, wrong use.
+    Exit codes: 0, every line that should open has opened; 3, one has not; 1, the run failed; 2, wrong use.
     """
     if with_verify and master != "implicit":
         raise click.UsageError("--verify extrapolates runs of the implicit master; leave --master out")
@@ -168,7 +189,7 @@ def command(
 
 
 def content(result: Result, verified: list[Verified] | None) -> dict[str, object]:
-    """What a run found, for JSON."""
+    """Headline numbers, costs and messages of a run, for JSON."""
     content = {**result.headline.as_dict(), **result.costs, "output": str(result.path)}
     content["warnings"], content["notes"] = list(result.warnings), list(result.notes)
     if verified is not None:
@@ -182,9 +203,9 @@ def content(result: Result, verified: list[Verified] | None) -> dict[str, object
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @result_options
 def resume_command(result: Path, every: bool, as_json: bool) -> None:
-    """Go on with the interrupted run of RESULT from its last checkpoint, in every bit as it would have gone on.
+    """Continue the interrupted run of RESULT from its last checkpoint, bit-identical to an uninterrupted run.
 
-    Runs keep checkpoints with --checkpoint.
+    Runs write checkpoints with --checkpoint.
     """
     found = fanfold.resume(result, progress=progress)
     if as_json:
@@ -201,7 +222,7 @@ def _exit_unless(opened: bool) -> None:
 
 
 def report(result: Result, verified: list[Verified] | None, *, every: bool = False) -> None:
-    """What a run found, for people."""
+    """Print the summary of a run."""
     from .tables import headline_tables, terminal
 
     console, costs = terminal(), result.costs
@@ -223,7 +244,7 @@ def report(result: Result, verified: list[Verified] | None, *, every: bool = Fal
 def _verification_table(verified: list[Verified]) -> Table:
     from rich.table import Table
 
-    table = Table(title="verification: steps halved and quartered, errors estimated")
+    table = Table(title="verification with halved and quartered steps")
     table.add_column("number", overflow="fold")
     for heading in ("value", "extrapolated", "error", "order"):
         table.add_column(heading, justify="right", no_wrap=True)

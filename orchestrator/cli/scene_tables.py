@@ -1,4 +1,4 @@
-"""A scene before its run as tables: bodies, hinge lines with their expected travels, cable loops, connections."""
+"""Tables of a scene before its run: bodies, hinge lines and their travels, cable loops, connections."""
 
 from __future__ import annotations
 
@@ -20,25 +20,23 @@ def scene_tables(found: SceneCheck) -> Iterator[Table]:
         map(_body, found.bodies),
     )
     for name, agreement in found.agreements.items():
-        yield _table(f"agreement of the files of {name}", ("", ""), (), agreement.items())
+        yield _table(f"consistency of the files of {name}", ("", ""), (), agreement.items())
     if found.lines:
         yield from _line_tables(found)
     if found.loops:
-        numbers = ("radii,\nmm", "travels,\ndeg", "unshared\ncable, mm")
+        numbers = ("radii,\nmm", "travels,\ndeg", "mismatch,\nmm")
         yield _table("cable loops", ("loop", "from, to"), numbers, map(_loop, found.loops))
     if found.connections:
         yield _table("connections", ("name", "kind"), (), found.connections.items())
 
 
 def _line_tables(found: SceneCheck) -> Iterator[Table]:
-    """Travels of hinge lines, and what drives and ends them."""
+    """Travels of hinge lines, their motors, latches and stops."""
     angles = ("start,\ndeg", "deployed,\ndeg", "travel,\ndeg", "friction,\nN.m")
+    yield _table("hinge lines", ("line", "from, to"), angles, map(_line, found.lines))
     yield _table(
-        "hinge lines and their expected travels", ("line", "from, to"), angles, map(_line, found.lines)
-    )
-    yield _table(
-        "what drives and ends them",
-        ("line", "motor, N.m", "ends by"),
+        "motors, latches and stops of hinge lines",
+        ("line", "motor, N.m", "stop or latch"),
         ("motor\nenergy, J",),
         map(_ends, found.lines),
     )
@@ -82,7 +80,7 @@ def _ends(line: LineOverview) -> tuple[str, ...]:
 
 
 def _end(line: LineOverview) -> str:
-    """What ends the travel of a line."""
+    """Latch and end stop of a line."""
     if line.held:
         return "held"
     stop = "" if line.end_stop is None else f"stop at {degrees_text(line.end_stop, 1)} deg"

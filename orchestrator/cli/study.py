@@ -1,4 +1,4 @@
-"""`fanfold study`: run a scene many times with drawn values."""
+"""`fanfold study`: run a scene many times with parameters drawn from distributions."""
 
 from __future__ import annotations
 
@@ -42,20 +42,30 @@ _LEAST_ROOM = 20
 @large_deformation_option
 @click.option(
     "--vary", multiple=True, metavar="KEY=DISTRIBUTION",
-    help="What is drawn, such as 'friction.coefficient=uniform(0.05, 0.2)'; 'KEY*=normal(1, 0.03)' multiplies, "
-    "keys with commas between get the same; repeatable. A lognormal has its mean and coefficient of variation, as in "
-    "'lognormal(0.15 N.m, 40 %)'; `fanfold list distributions` lists all.",
+    help=(
+        "Distribution of a key, such as 'friction.coefficient=uniform(0.05, 0.2)'; 'KEY*=normal(1, 0.03)' is a "
+        "factor, keys separated by commas get the same value; repeatable. A lognormal has its mean and "
+        "coefficient of variation, as in 'lognormal(0.15 N.m, 40 %)'; `fanfold list distributions` lists all."
+    ),
 )  # fmt: skip
 @click.option("--method", type=click.Choice(_METHODS), default=_METHODS[0], show_default=True)
 @click.option(
-    "--runs", type=click.IntRange(min=1), default=100, show_default=True, help="Samples drawn at random."
+    "--runs",
+    type=click.IntRange(min=1),
+    default=100,
+    show_default=True,
+    help=("Number of samples of random methods."),
 )
 @click.option(
-    "--levels", type=click.IntRange(min=2), default=5, show_default=True, help="Of each key of a grid."
+    "--levels", type=click.IntRange(min=2), default=5, show_default=True, help="Levels of each key of a grid."
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
-@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
-@click.option("--cluster", metavar="ADDRESS", help="Scheduler of a Dask cluster, such as tcp://host:8786.")
+@click.option(
+    "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Number of processes."
+)
+@click.option(
+    "--cluster", metavar="ADDRESS", help="Dask scheduler, such as tcp://host:8786, instead of --workers."
+)
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of every run.")
 @click.option(
     "--until",
@@ -66,16 +76,16 @@ _LEAST_ROOM = 20
 @click.option("--estimate", is_flag=True, help="Estimate the errors of headline numbers in every run.")
 @click.option(
     "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",
-    help="Signals to keep of every run, with commas between, such as 'hl1_*,panel1.frame_*'.",
+    help="Signals to keep: patterns separated by commas, such as 'hl1_*,panel1.frame_*'.",
 )  # fmt: skip
 @click.option(
-    "--points", type=click.IntRange(min=2), default=201, show_default=True, help="Times of signals."
+    "--points", type=click.IntRange(min=2), default=201, show_default=True, help="Number of times of signals."
 )
 @click.option(
     "-o",
     "--output",
     type=OutputFile(),
-    help="File of the study (HDF5), by default SCENE.study.h5, or SCENE.rigid.study.h5, as for `fanfold run`.",
+    help="File of the study (HDF5); by default SCENE.study.h5, or SCENE.rigid.study.h5, as for `fanfold run`.",
 )
 @replace_option
 @click.option("--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures.")
@@ -100,10 +110,10 @@ def command(
     plot: Path | None,
     as_json: bool,
 ) -> None:
-    """Run SCENE many times with values drawn from distributions: Monte Carlo, designs, grids, worst cases.
+    """Run SCENE many times with parameters drawn from distributions: Monte Carlo, designs, grids, worst cases.
 
-    Every sample is written down as soon as it is finished; SCENE may be the file of an interrupted study to go on with,
-    or of a finished one to see again.
+    Every sample is stored as soon as it is finished. SCENE may also be the file of an interrupted study to continue, or
+    of a complete one to print again.
     """
     refuse_idle("--points", "--signals")
     refuse_idle("--levels", "--method")
@@ -111,7 +121,9 @@ def command(
 
     if choice.scene.endswith(".h5"):
         if vary or choice.variants or choice.settings:
-            raise click.UsageError("a study that goes on is what it was; give no --vary, --variant or --set")
+            raise click.UsageError(
+                "a study continues with its own settings; leave out --vary, --variant and --set"
+            )
         path = Path(choice.scene)
         found = fanfold.resume_study(
             path, workers=workers, cluster=cluster, trust=choice.trust, progress=samples_bar
@@ -192,7 +204,7 @@ def _extremes(study: Study, name: str) -> dict[str, dict[str, float]]:
 
 
 def _influence(moved: Influence) -> dict[str, object]:
-    """Changes by parameter and, where samples tell, shares of variance and what straight lines explain."""
+    """Changes by parameter and, if available, shares of variance and R2 of the linear fit."""
     found: dict[str, object] = {"changes": moved.changes}
     if moved.shares is not None:
         found["variance_shares"] = {
@@ -209,14 +221,16 @@ def _report(study: Study, pictures: list[Path]) -> None:
     console.print(_table(study, console.width))
     if (shares := _shares(study)) is not None:
         console.print(shares)
-        console.print(f"estimated from {study.plan.runs} base samples; more --runs make these shares surer")
+        console.print(
+            f"estimated from {study.plan.runs} base samples; increase --runs for more accurate shares"
+        )
     for sentence in _opening(study):
         console.print(sentence, highlight=False)
     failed = list(study.failed.items())
     for index, message in failed[:_LINES]:
         console.print(f"sample {index} failed: {message}")
     if len(failed) > _LINES:
-        console.print(f"... and {len(failed) - _LINES} more; the table of samples tells why")
+        console.print(f"... and {len(failed) - _LINES} more; see the table of samples")
     assert study.path is not None
     console.print(f"study in {study.path}, table of samples in {study.path.with_suffix('.csv')}")
     if pictures:
@@ -224,7 +238,7 @@ def _report(study: Study, pictures: list[Path]) -> None:
 
 
 def _opening(study: Study) -> Iterator[str]:
-    """In how many runs the wing opens, what that bounds, lines that fail, and how many runs lower bounds take."""
+    """Sentences on runs that open, failure probabilities by line, and runs needed for lower bounds."""
     from ..analysis.sampling.study import runs_for
 
     wing = study.wing_not_opening()
@@ -254,17 +268,15 @@ def _percent(share: float) -> str:
 
 
 def _tail(name: str, room: int) -> str:
-    """The end of a long name, which says most."""
+    """The end of a long name."""
     return name if len(name) <= room else f"…{name[len(name) - room + 1 :]}"
 
 
 def _shares(study: Study) -> Table | None:
-    """Shares of variance, where the samples tell them."""
+    """Table of shares of variance, if the samples determine them."""
     from rich.table import Table
 
-    table = Table(
-        title="share of the variance that a parameter explains, in %: alone / with its interactions"
-    )
+    table = Table(title="share of variance by parameter, in %: alone / with interactions")
     table.add_column("number")
     for name in study.parameters:
         table.add_column(name, justify="right")
@@ -303,7 +315,7 @@ def _table(study: Study, width: int) -> Table:
 
 
 def _spread(study: Study, name: str) -> list[str]:
-    """Quantiles of a number, or its extremes and in which samples they are."""
+    """Quantiles of a number, or its extremes with their samples."""
     if study.plan.is_random:
         return [f"{value:.5g}" for value in study.quantiles(name)]
     return [text for k in study.extremes(name) for text in (f"{study.numbers[name][k]:.5g}", f"{k}")]

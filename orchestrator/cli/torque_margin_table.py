@@ -1,4 +1,4 @@
-"""What the torque margin and the restarts come to, as tables and sentences."""
+"""Tables and sentences of torque margins and restarts."""
 
 from __future__ import annotations
 
@@ -56,27 +56,28 @@ def _margin_verdict(found: Found, rule: Margins, is_finite: bool) -> str:
 
 
 def margin_sentences(found: TorqueMargin) -> list[str]:
-    """What the table does not tell: which lines are coupled, which have no margin, and what is not counted."""
+    """Sentences on coupled lines, lines without a margin, and parts that no margin includes."""
     groups = {one.line: one.torques.rates for one in found.lines if len(one.torques.rates) > 1}
     coupled = [
-        f"{line}: cable loops turn these lines together, at rates {' : '.join(f'{r:.4g}' for r in rates.values())}; "
-        f"their verdict is that of the group, whose torques are at the rate of {next(iter(rates))}"
+        f"{line}: cable loops couple these lines at rates {' : '.join(f'{r:.4g}' for r in rates.values())}; their "
+        f"common verdict has torques at the rate of {next(iter(rates))}"
         for line, rates in groups.items()
     ]
-    left_out = [f"not counted: {name}; {why}" for name, why in found.uncounted.items()]
+    left_out = [f"not included: {name}; {why}" for name, why in found.uncounted.items()]
     return [*coupled, *_held_at(found), *sentences_without_margin(found.without), *left_out]
 
 
 def _held_at(found: TorqueMargin) -> Iterator[str]:
-    """Where lines, coupled ones together, do not start from rest, by torques as they are."""
+    """Where lines, coupled lines together, do not start from rest with nominal torques."""
     for one in found.lines:
         net = one.torques.net
         short = np.flatnonzero(net < -noise_floor(one.torques.driving.tolist()))
         if one.counts and short.size:
             k = int(short[0])
             yield (
-                f"{one.line} ({one.case}): at {degrees_text(one.torques.angle[k], 1)} deg friction and harness exceed "
-                f"what drives by {-net[k]:.4g} N.m even without factors, so nothing starts there from rest"
+                f"{one.line} ({one.case}): at {degrees_text(one.torques.angle[k], 1)} deg friction and harness "
+                f"exceed the driving torque by {-net[k]:.4g} N.m even without factors, so the line does not start "
+                "there from rest"
             )
 
 
@@ -92,8 +93,8 @@ def sentences_without_margin(cases: Mapping[str, Mapping[str, str]]) -> list[str
             line if len(among) == len(cases) else f"{line} ({', '.join(among)})"
             for line, among in lines.items()
         ]
-        verb, whose = ("has", "its") if len(names) == 1 else ("have", "their")
-        sentences.append(f"{', '.join(names)} {verb} no margin of {whose} own: {reason}")
+        verb = "has" if len(names) == 1 else "have"
+        sentences.append(f"{', '.join(names)} {verb} no margin: {reason}")
     return sentences
 
 
@@ -123,12 +124,12 @@ def _verdict(line: Restart) -> str:
 
 
 def restart_sentences(runs: Sequence[CaseRestart]) -> list[str]:
-    """What restarts say beside margins, and why lines do not start, or that they should not have."""
+    """Difference between restarts and margins, and why lines do not start, or started although they should not."""
     if not runs:
         return []
     sentences = [
-        f"restarts take every torque as it is; margins take uncertainty factors and the limit {LIMIT:g}, so what fails "
-        "by its margin may open"
+        f"restarts use nominal torques, margins use uncertainty factors and the limit {LIMIT:g}; so a line that "
+        "fails its margin may open"
     ]
     for run in runs:
         for net in dict.fromkeys(line.net for line in run.lines if line.net < 0.0):
@@ -140,14 +141,14 @@ def restart_sentences(runs: Sequence[CaseRestart]) -> list[str]:
 
 
 def _held(position: str, lines: Sequence[Restart]) -> str:
-    """Why lines that turn together cannot start from a position, and what turned them all the same."""
+    """Why coupled lines cannot start from a position, and why they moved nevertheless."""
     it, alone = ("they", "by themselves") if len(lines) > 1 else ("it", "by itself")
     turned = ""
     if any(line.opens or line.still_opening for line in lines):
-        turned = "creep of smooth friction, or the work of what is in no margin, such as gravity or loads"
+        turned = "creep of smooth friction, or gravity and loads, which no margin includes"
     elif any(line.moves for line in lines):
-        turned = "the blow of the motor's torque, which acts all at once at the start"
+        turned = "the sudden start of the motor torque"
     return (
-        f"from {position}: static friction and harness exceed what drives by {-lines[0].net:.4g} N.m, so {it} cannot "
-        f"start {alone}{f'; that {it} turned is {turned}' if turned else ''}"
+        f"from {position}: static friction and harness exceed the driving torque by {-lines[0].net:.4g} N.m, so "
+        f"{it} cannot start {alone}{f'; {it} moved by {turned}' if turned else ''}"
     )

@@ -1,4 +1,4 @@
-"""`fanfold tune`: values of a scene's keys that bring headline numbers, or measured curves, where they are wanted."""
+"""`fanfold tune`: fit parameters of a scene to target values and measured curves."""
 
 from __future__ import annotations
 
@@ -28,26 +28,30 @@ _NOT_REACHED = 2
 @large_deformation_option
 @click.option(
     "--target", "targets", multiple=True, metavar="NUMBER=VALUE",
-    help="What a headline number is to be, such as 'latch_time.HL1=11.6 s'; repeatable.",
+    help="Target of a headline number, such as 'latch_time.HL1=11.6 s'; repeatable.",
 )  # fmt: skip
 @click.option(
     "--curve", type=click.Path(path_type=Path, exists=True, dir_okay=False), metavar="CSV",
-    help="Measured signals: times (s), then columns headed COMPONENT.VARIABLE.",
+    help="CSV file of measured signals: times (s) in the first column, others headed COMPONENT.VARIABLE.",
 )  # fmt: skip
 @click.option(
     "--vary", multiple=True, required=True, metavar="KEY=RANGE",
-    help="What is searched, such as 'hinge_line.HL1.motor.stowed=uniform(1.2 N.m, 2 N.m)'; 'KEY*=uniform(0.5, 2)' "
-    "multiplies, keys with commas between get the same; repeatable.",
+    help=(
+        "Range of a key, such as 'hinge_line.HL1.motor.stowed=uniform(1.2 N.m, 2 N.m)'; 'KEY*=uniform(0.5, 2)' is "
+        "a factor, keys separated by commas get the same value; repeatable."
+    ),
 )  # fmt: skip
 @click.option(
     "--accuracy",
     type=Number(min=1e-9, max=0.1),
     default=1e-4,
     show_default=True,
-    help="Largest relative difference.",
+    help="Largest relative difference to the targets.",
 )
 @click.option("--most-runs", type=click.IntRange(min=2), default=100, show_default=True)
-@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
+@click.option(
+    "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Number of processes."
+)
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of every run.")
 @click.option(
     "--until",
@@ -71,9 +75,9 @@ def command(
     until: float | None,
     as_json: bool,
 ) -> None:
-    """Find values of keys of SCENE that bring headline numbers, or measured curves, where they are wanted.
+    """Fit keys of SCENE to target values of headline numbers and to measured curves.
 
-    The exit code is 2 where they cannot be brought there.
+    Exit code 2 if the targets are not met.
     """
     with _shown(most_runs) as watch:
         found = fanfold.tune(
@@ -100,11 +104,15 @@ def command(
 
 @contextmanager
 def _shown(most: int) -> Iterator[Callable[[int, float], None]]:
-    """A line on standard error: runs made, and how far the best of them is off."""
+    """Progress on standard error: number of runs, and the largest difference of the best one."""
     from rich.console import Console
     from rich.progress import MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 
-    columns = (SpinnerColumn(), MofNCompleteColumn(), TextColumn("runs at the most, {task.fields[off]} off"))
+    columns = (
+        SpinnerColumn(),
+        MofNCompleteColumn(),
+        TextColumn("runs, largest difference {task.fields[off]}"),
+    )
     with Progress(*columns, console=Console(stderr=True), refresh_per_second=5) as bar:
         task = bar.add_task("tune", total=most, off="")
         yield lambda runs, residual: bar.update(task, completed=runs, off=f"{residual:.2g}")
@@ -122,12 +130,14 @@ def _report(found: Tuned) -> None:
     for one in found.numbers:
         table.add_row(one.number, f"{one.start:.6g}", f"{one.found:.6g}", f"{one.wanted:.6g}", one.unit)
     console.print(table)
-    told = "within" if found.reached else "not within what was asked:"
-    console.print(f"targets are met {told} {found.residual:.2g}, at the start {found.start_residual:.2g}")
+    console.print(
+        f"{'Targets met' if found.reached else 'Targets NOT met'}: largest relative difference "
+        f"{found.residual:.2g}, at the start {found.start_residual:.2g}."
+    )
     for name in found.at_ends:
-        console.print(f"Warning: {name} lies at an end of its range; a wider one may reach the targets")
+        console.print(f"Warning: {name} is at a bound of its range. Widen the range to reach the targets.")
     for sentence in found.jumps:
         console.print(f"Warning: {sentence}")
     for name in found.blind:
-        console.print(f"Warning: the targets do not tell {name}: other values of it would do as well")
+        console.print(f"Warning: the targets do not determine {name}: other values fit as well.")
     console.print(" ".join(f"--set '{key}={value}'" for key, value in found.settings.items()))

@@ -185,7 +185,7 @@ class CompiledMaster(Master):
 
 
 class Block:
-    """Rows made in C on their way to a recorder, beside the one that `Rows` holds."""
+    """Rows made in C on their way to a recorder, in addition to the one in `Rows`."""
 
     def __init__(self, rows: Rows) -> None:
         self._rows = rows

@@ -83,7 +83,7 @@ class CoSimulation(ABC):
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held.
 
-        What is found may be not quite one, which `Statistics.restless` tells.
+        `Statistics.restless` describes an equilibrium that is not exact.
         """
         network = self.network
         for participant in network.participants:

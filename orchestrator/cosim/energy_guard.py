@@ -1,7 +1,7 @@
-"""The energy guard: steps that leave the balance of energy open are none of the motion's, however well they converge.
+"""The energy guard: it rejects spurious roots of the step equations, which do not conserve energy.
 
-The equations of a long step can have roots that the motion does not have. Wrenches and motions agree at them to
-the last digit, but work that the rotation of a body makes of held wrenches does not: the balance jumps.
+The equations of a long step can have roots that the motion does not have. At such a root wrenches and motions agree to
+the last digit, but the work of constant wrenches on a rotating body does not: the energy balance jumps.
 """
 
 from __future__ import annotations

@@ -109,7 +109,7 @@ class ExplicitMaster(CoSimulation):
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
 
     def _step_or_fail(self, h: float) -> None:
-        """Step everything; what breaks in overflowing arithmetic is the master's failure, and told so."""
+        """Step all participants; overflow is reported as a failure of the master."""
         reason = ""
         try:
             with np.errstate(all="ignore"):

@@ -220,9 +220,9 @@ class FmuParticipant:
         self.check(self._fmu.dll.fmi2EnterInitializationMode(self._component), "enter initialization mode")
 
     def reset(self, start: Mapping[str, float | Sequence[float]] | None = None) -> None:
-        """fmi2Reset: as it was when it was made, its arrays in place, ready for another run.
+        """fmi2Reset: back to the state after instantiation, with its arrays in place, ready for another run.
 
-        start: start values of parameters and inputs in place of those that it was made with.
+        start: start values of parameters and inputs that replace its own.
         """
         start = self._start if start is None else start
         self._start = {name: value for name, value in start.items() if name in self.parameter_layout}

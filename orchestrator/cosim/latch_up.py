@@ -172,7 +172,7 @@ def stiffened_line(solver: Solver, hinges: tuple[Stiffening, ...], h: float) -> 
 def swinging(
     solver: Solver, time: float, hinges: tuple[Stiffening, ...], largest: float
 ) -> tuple[StiffenedLine, float]:
-    """How a latched line swings as a whole, and the longest step size (s) that tells, `largest` at the most."""
+    """Vibration of a latched line as a whole, and the longest step size (s), up to `largest`, that resolves it."""
     line, size = StiffenedLine(0.0, 0.0, 0.0, hinges), min(largest, _LONGEST_SWING)
     for _ in range(_FREQUENCY_SEARCH):
         if _can_be_made(solver, time, size):
@@ -193,10 +193,10 @@ def _can_be_made(solver: Solver, time: float, size: float) -> bool:
 
 
 def resolving(solver: Solver, time: float, line: StiffenedLine, size: float, h: float, angle: float) -> float:
-    """A step (s), h at the most, in which what swings fastest at the start turns by an angle (rad) of its circle.
+    """A step (s), up to h, in which the fastest initial vibration advances by a phase (rad).
 
-    size (s): of the step that told how the line swings. What turns at first may be much less than what swings later:
-    the rotation is followed to shorter times.
+    size (s): of the step that identified the vibration of the line. The inertia that moves at first may be much less
+    than that of later vibrations, so the vibration is followed to shorter times.
     """
     found = line
     for _ in range(_FREQUENCY_SEARCH):
@@ -229,7 +229,7 @@ def _rate(solver: Solver, hinge: Stiffening) -> float:
 
 
 def watched_loads(network: Network, line: StiffenedLine, energy: float) -> list[WeightedLoad]:
-    """The loads of a line's hinges, judged beside an energy (J) of the line."""
+    """The loads of a line's hinges, weighted by an energy (J) of the line."""
     found = []
     for hinge in line.hinges:
         links = network.connection_links[hinge.connection]

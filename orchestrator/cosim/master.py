@@ -390,7 +390,7 @@ class Master(CoSimulation):
         self._reached = reached
 
     def _renew(self, known: float = 0.0) -> None:
-        """Go on with short steps (s), or what is known to be short enough; nothing before tells of what follows."""
+        """Continue with short steps (s), or a known short step; earlier steps do not predict the following ones."""
         self.solver.restart()
         if (size := max(self._start_step, known)) < self._sizes.size:
             self._sizes.restart(size, stirred=False)
@@ -461,7 +461,7 @@ class Master(CoSimulation):
         self._strikes.wait_anew()
 
     def _impulse(self, h: float = INSTANT) -> list[HingeLine]:
-        """A vanishing step h (s) that stills joints; lines that pass their latches in it, of which no step tells."""
+        """A vanishing step h (s) that stops joints; returns lines that pass their latches in it."""
         self._command(IMPULSE.name, 1.0)
         solution, passed = impulse(self.solver, self.time, h), []
         if not solution.converged and h == INSTANT:

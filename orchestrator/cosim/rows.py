@@ -35,12 +35,12 @@ def recorded_layout(layout: Layout) -> Layout:
 
 
 class Rows:
-    """Hands observations and scene channels on to a recorder, each accepted step's when the next one is known.
+    """Passes observations and scene channels to a recorder, those of an accepted step when the next one is known.
 
-    observations: of all participants in order; scene: channels. Both are read when a row comes. coarse: names of those
-    that are coupled at order 2, which know nothing better; bodies: of those to which connections bring loads.
-    recorded: places of observations that are recorded; corrections (n, 2): of those that a held one takes, and of what
-    it corrects.
+    observations: of all participants in order; scene: channels. Both are read with each row. coarse: names of
+    participants coupled at order 2, without better values; bodies: of those with loads from connections. recorded:
+    indices of recorded observations; corrections (n, 2): indices of corrections of a delayed row, and of the corrected
+    observations.
     """
 
     def __init__(
@@ -87,10 +87,10 @@ class Rows:
         self._time = time
 
     def roughness(self, time: float, steps: int) -> Vector | None:
-        """What loads of an instant (now) are off those held back, which steps up to the same time tell, if any do.
+        """Differences of loads at the present instant from the delayed ones, if steps end at the same time.
 
-        Where steps do not resolve how joints ring, an instant finds them anywhere in their ringing. steps: since the
-        last event; one alone tells loads by means from before it, so that the instant is right.
+        If steps do not resolve the vibration of joints, an instant may be anywhere in its period. steps: since the last
+        event; after one step alone loads are means from before it, and the instant is right.
         """
         if self._time != time:
             return None
@@ -149,7 +149,7 @@ class Rows:
 
 
 def _pairs(first: int, layout: Layout) -> Iterator[tuple[int, int]]:
-    """Places of every scalar of a lagged observation, and of the one it tells again."""
+    """Indices of every scalar of a lagged observation, and of its source."""
     for quantity in layout.quantities:
         if quantity.name.endswith(LAGGED):
             known, corrected = layout[quantity.name], layout[quantity.name.removesuffix(LAGGED)]

@@ -1,4 +1,4 @@
-"""Numbers that a master is told: how accurate, in which steps, what to tell and keep."""
+"""Settings of a master: accuracy, steps, messages, rows."""
 
 from __future__ import annotations
 
@@ -11,18 +11,17 @@ from .ports import Order
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Numbers of the master.
+    """Settings of the master.
 
-    tolerance: relative accuracy asked of a run. largest_step, smallest_step, start_step: down to a tolerance of 1e-4;
-    below, they go with its root, as the rotations' error goes with the square of a step. smallest_step: that accuracy
-    may ask for. start_step: the largest before errors can be told, for which two steps must be seen, at the start and
-    after events; what rings from then on, as joints do from motors that start or latches that damp, begins in these.
-    fixed_step: constant communication step size instead of control, divided only where it does not converge.
-    step_plan: step sizes of an earlier run to follow, one list per segment between events. driving: what drives the
-    scene. order: of the coupling; None: what is best.
-    snapshot_every: time (s) after which `keep` of the master is given a snapshot; it changes last digits.
-    asked_tolerance: what a result is judged by, where a smaller tolerance is taken to keep it. compiled: whether a run
-    takes `CompiledMaster`.
+    tolerance: requested relative accuracy of a run. largest_step, smallest_step, start_step: for tolerances down to
+    1e-4; below, they go with its square root, as the error of rotations goes with the square of a step. smallest_step:
+    limit of step-size control. start_step: largest step before two steps allow an error estimate, at the start and
+    after events; vibrations that start there, of joints under motors or latches, begin with these steps. fixed_step:
+    constant communication step size instead of control, divided only if it does not converge. step_plan: step sizes of
+    an earlier run to follow, one list per segment between events. driving: reference energy and load of the scene.
+    order: of the coupling; None: the best one. snapshot_every: time (s) between snapshots for `keep` of the master;
+    they change last digits. asked_tolerance: tolerance that results are compared with, if a smaller one is used.
+    compiled: whether a run uses `CompiledMaster`.
     """
 
     tolerance: float = 1e-4

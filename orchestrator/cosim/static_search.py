@@ -106,14 +106,15 @@ class StaticSearch:
         name = self._ports[worst][0].name
         if np.abs(motions[worst]).max() > _AT_REST:
             return (
-                f"it does not start quite at rest: the search for static equilibrium ends while {name} still moves "
-                f"{_left(motions[worst], h)}; joints are soft beside the loads that bend them, or next to nothing "
-                "holds it in that direction"
+                f"the run does not start at rest: {name} still moves {_left(motions[worst], h)} at the end of the "
+                "static search. Check for joints that are soft relative to their loads, or add a restraint in "
+                "this direction."
             )
         if self._unsteady > _FELT:
             return (
-                "it does not start quite at rest: the search for static equilibrium ends while loads still change by "
-                f"{self._unsteady:.2g} of the largest; a body bends more slowly than the search is long"
+                f"the run does not start at rest: loads still change by {self._unsteady:.2g} of the largest at the "
+                "end of the static search, because a body vibrates more slowly than the search lasts. Check the "
+                "first rows of the result."
             )
         return ""
 

@@ -141,7 +141,7 @@ class Iterated(NamedTuple):
 
 
 def iterated(lines: Iterable[HingeLine], order: Order) -> Iterated:
-    """Of a run of these lines; locks ask for more, as far as round-off lets them."""
+    """Settings of a run with these lines; locks need a smaller tolerance, limited by round-off."""
     share = _ITERATED[order]
     if not any(line.locks_rigid for line in lines):
         return Iterated(share, 0.0, _MOST_ITERATED)

@@ -1,4 +1,4 @@
-"""A spacecraft that turns by more than once: what its attitude, a rotation vector, tells of that."""
+"""Spacecraft that rotate by more than a full turn, which a rotation vector cannot represent."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ def turned_over(result: Result) -> Iterator[str]:
         jumps = np.abs(np.diff(result.signal(name, variable), axis=0)).max(axis=1, initial=0.0) > np.pi
         if jumps.any():
             yield (
-                f"{name} turns by more than once: at {result.time[int(np.argmax(jumps)) + 1]:.4g} s its attitude, a "
-                "rotation vector, goes from a full turn one way to one the other way; its peak and its end tell "
-                "no more than that; frame_orientation is continuous"
+                f"{name} turns by more than a full turn: at {result.time[int(np.argmax(jumps)) + 1]:.4g} s its "
+                "attitude, a rotation vector, jumps. Use frame_orientation, which is continuous."
             )

@@ -1,4 +1,4 @@
-"""Two results side by side: latch events, peaks with ratios and shifts in time."""
+"""Comparison of two results: latch events, peaks with ratios and time shifts."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
+from ..records import short_repr
 from .crests import Peak
 from .energy_ledger import tolerance_asked
 from .estimated_errors import POINT_PEAKS
 from .identifiers import identifier
-from .key_figures import latch_times, line_latch_torque, shown
+from .key_figures import latch_times, line_latch_torque, peak_of, shown
 from .latch_impulse import latch_impulses
 from .latch_rate import latch_energies, latch_rates
 from .peaks import peak
@@ -34,10 +35,10 @@ _SAME_END = 1e-9  # of the end: what summing steps leaves
 
 @dataclass(frozen=True)
 class Compared:
-    """One quantity of two results: magnitudes at the peak and their times (s), None where a result has none.
+    """One quantity of two results: peak magnitudes and their times (s), None if a result lacks them.
 
-    A latch event has no magnitude. noise_a, noise_b: it is round-off beside the component's other loads. is_small: it
-    is below the tolerance beside the largest of them in one of both, so that a ratio says nothing.
+    A latch event has no magnitude. noise_a, noise_b: the peak is round-off relative to other loads of the component.
+    is_small: it is below the tolerance relative to the largest of them in either result, so a ratio means nothing.
     """
 
     quantity: str
@@ -53,19 +54,19 @@ class Compared:
 
     @property
     def id(self) -> str:
-        """Identifier of the headline number that it is; loads of a base by their axis."""
+        """Identifier of the headline number; loads of a base by their axis."""
         if self.quantity == _LATCH_UP:
             return identifier("latch time", self.of)
         return identifier(self.quantity, self.of.rpartition(" ")[2])
 
     @property
     def ratio(self) -> float | None:
-        """B over A; None where either is missing, round-off or small beside its like, or A is zero."""
+        """B over A; None if either is missing, round-off or small, or A is zero."""
         return self.b / self.a if self.a and self.b is not None and not self._says_nothing else None
 
     @property
     def shift(self) -> float | None:
-        """Time of B minus time of A (s); None where either is missing, round-off or small beside its like."""
+        """Time of B minus time of A (s); None if either is missing, round-off or small."""
         if self.time_a is None or self.time_b is None or self._says_nothing:
             return None
         return self.time_b - self.time_a
@@ -79,9 +80,10 @@ class Compared:
         return {"id": self.id, **asdict(self), "ratio": self.ratio, "shift": self.shift}
 
 
+@short_repr
 @dataclass(frozen=True)
 class Comparison:
-    """All that two results can be compared in, and the signals ("component.variable") that only one has."""
+    """Compared quantities of two results, and the signals ("component.variable") that only one of them has."""
 
     rows: tuple[Compared, ...]
     only_a: tuple[str, ...]
@@ -91,10 +93,10 @@ class Comparison:
 def compare(a: Result, b: Result) -> Comparison:
     """Latch events, rates, energies and torques by hinge line, then peaks of attitude and loads by component and point.
 
-    What is zero or round-off in both is left out.
+    Quantities that are zero or round-off in both are omitted.
     """
-    told = [*_load_rows(a, b), *_point_rows(a, b)]
-    loads = (row for row in _with_noise(told, _tolerance(a, b)) if not _is_nothing(row))
+    every = [*_load_rows(a, b), *_point_rows(a, b)]
+    loads = (row for row in _with_noise(every, _tolerance(a, b)) if not _is_nothing(row))
     rows = [*_latch_rows(a, b), *_rate_rows(a, b), *_torque_rows(a, b), *loads]
     order = list(dict.fromkeys(row.quantity for row in rows))
     rows.sort(key=lambda row: order.index(row.quantity))
@@ -158,8 +160,7 @@ def _load_rows(a: Result, b: Result) -> Iterator[Compared]:
         for k in range(columns):
             of = f"{name} {'xyz'[k]}" if columns == 3 else name
             peaks = [_peak_of(result, name, variable, k) for result in (a, b)]
-            words = variable.replace("_", " ")
-            yield _compared(f"{words} peak", of, known.unit(name, variable), *peaks)
+            yield _compared(peak_of(variable), of, known.unit(name, variable), *peaks)
 
 
 def _point_rows(a: Result, b: Result) -> Iterator[Compared]:
@@ -176,14 +177,14 @@ def _point_rows(a: Result, b: Result) -> Iterator[Compared]:
 
 
 def _tolerance(a: Result, b: Result) -> float:
-    """What both promise beside the largest component: the larger tolerance, 0 where none is recorded."""
+    """The larger tolerance of both results, 0 if none is recorded."""
     return max((tolerance_asked(result) or 0.0 for result in (a, b)), default=0.0)
 
 
 def _with_noise(rows: Sequence[Compared], tolerance: float) -> Iterator[Compared]:
-    """The rows, what is round-off or below a tolerance marked.
+    """The rows, with marks for round-off and for values below a tolerance.
 
-    Beside all of the same component, or points, and unit in the same result.
+    Both are relative to all rows of the same component, or of all points, and the same unit in the same result.
     """
 
     def group(row: Compared) -> tuple[str, str]:
@@ -238,7 +239,7 @@ def _only_in(result: Result, other: Result) -> tuple[str, ...]:
 
 
 def cells(row: Compared) -> tuple[str, ...]:
-    """A, B, ratio, time of A, time of B, shift and unit of a row as texts, for people; empty where there is none.
+    """A, B, ratio, time of A, time of B, shift and unit of a row as texts; empty if missing.
 
     A and B of a latch event are its times.
     """
@@ -267,8 +268,8 @@ def end_note(a: Result, b: Result, names: tuple[str, str]) -> str:
     if abs(ends[1] - ends[0]) <= _SAME_END * max(ends):
         return ""
     return (
-        f"{names[0]} ends at {ends[0]:.6g} s, {names[1]} at {ends[1]:.6g} s: "
-        "peaks are those of runs of different length"
+        f"The runs differ in length: {names[0]} ends at {ends[0]:.6g} s, {names[1]} at {ends[1]:.6g} s. Peaks after "
+        "the shorter run are in one result only."
     )
 
 

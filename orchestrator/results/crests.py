@@ -1,4 +1,4 @@
-"""Crests of cubics through samples, as the largest sample lies beside the peak."""
+"""Maxima of cubics through samples, because a peak lies between samples."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ class Peak(NamedTuple):
 
 
 def highest_crest(time: Vector, values: Vector, tops: NDArray[np.intp], above: float) -> Peak | None:
-    """The highest maximum above a value of the cubics on the two intervals beside each of some samples.
+    """The highest maximum above a value of the cubics on the two intervals next to each of some samples.
 
-    Each cubic goes through four samples around its interval. None where no crest rises above its sample by more than
-    its cubic may be off by.
+    Each cubic goes through four samples around its interval. None if no maximum exceeds its sample by more than the
+    error of its cubic.
     """
     own, left = np.concatenate([tops, tops]), np.concatenate([tops - 1, tops])
     first = np.clip(left - 1, 0, time.size - 4)
@@ -52,9 +52,10 @@ def highest_crest(time: Vector, values: Vector, tops: NDArray[np.intp], above: f
 
 
 def _off(time: Vector, values: Vector, first: int, at: float) -> float:
-    """What the cubic through four samples may be off by at a time: as it misses the samples beside them, in between.
+    """Error of the cubic through four samples at a time, interpolated from its errors at the adjacent samples.
 
-    The error of interpolation goes with the product of the distances to its samples. One through a kink misses by much.
+    The error of interpolation goes with the product of the distances to its samples. It is large for one through a
+    kink.
     """
     nodes = slice(first, first + 4)
     samples, scale = time[nodes].tolist(), float(time[first + 3] - time[first])

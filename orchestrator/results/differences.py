@@ -1,4 +1,4 @@
-"""What tells two runs from each other: scene, fidelities, settings, values of the scene."""
+"""Differences between two runs: scene, fidelities, settings, values of the scene."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import NamedTuple
 from .parts import json_of
 from .result import Result
 
-_TOLD = 2
-"""Differences that a label has room for."""
+_SHOWN = 2
+"""Differences in a label."""
 _SETTINGS = ("master", "order", "step", "tolerance", "until")
 _DESCRIPTIVE = ("scene.description", "scene.name")
 
@@ -39,23 +39,23 @@ def scene_note(a: Result, b: Result) -> str:
     scenes = [result.provenance.get("scene", "") for result in (a, b)]
     if scenes[0] != scenes[1]:
         return (
-            f"A is a run of the scene {scenes[0]!r}, B of {scenes[1]!r}: ratios compare different structures"
+            f"A is a run of the scene {scenes[0]!r}, B of {scenes[1]!r}: ratios compare different structures."
         )
     lines = [sorted(line.name for line in result.hinge_lines) for result in (a, b)]
     if lines[0] != lines[1]:
-        told = " and ".join(", ".join(names) or "none" for names in lines)
-        return f"A and B have different hinge lines, {told}: ratios compare different structures"
+        both = " and ".join(", ".join(names) or "none" for names in lines)
+        return f"A and B have different hinge lines, {both}: ratios compare different structures."
     return ""
 
 
 def distinctions(a: Result, b: Result) -> tuple[str, str]:
-    """What is different of each, in a few words; empty where nothing is, or they are of different scenes."""
+    """Short labels of what differs; empty if nothing does, or the scenes differ."""
     found = differences(a, b)
     if not found or scene_note(a, b):
         return "", ""
-    more = f", {len(found) - _TOLD} more" if len(found) > _TOLD else ""
+    more = f", {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
     texts = [
-        ", ".join(f"{one.key} {text or '-'}" for one in found[:_TOLD] for text in (one[k],)) for k in (1, 2)
+        ", ".join(f"{one.key} {text or '-'}" for one in found[:_SHOWN] for text in (one[k],)) for k in (1, 2)
     ]
     return texts[0] + more, texts[1] + more
 

@@ -1,12 +1,13 @@
-"""What a run did with its energy, and whether the balance closes as far as the tolerance promises.
+"""Energies of a run, and whether the balance closes within the tolerance.
 
-Every component keeps its own accounts of kinetic, potential, dissipated and supplied energy and of what the scheme
-takes. The energy *exchanged* up to a time is the sum of all gains among them since the start, which a perfect
-balance makes that of all losses: what has changed its place or form, whether or not a motor did it. A potential of
-kilojoules that only stands there is no part of it, and a motor that hardly turns does not make it small.
+Every component records its kinetic, potential, dissipated and supplied energy and its numerical loss. The energy
+*exchanged* up to a time is the sum of all gains since the start. In a perfect balance it equals the sum of all losses:
+the energy that has changed its place or form, with or without a motor. A constant potential of kilojoules is not part
+of it, and a motor that hardly moves does not make it small.
 
-The tolerance is the relative accuracy of velocities. An energy goes with their square, so a run that keeps the
-tolerance leaves at most twice as much of the energy exchanged, or of that in motion where little is exchanged.
+The tolerance is the relative accuracy of velocities. An energy goes with their square. So a run within the tolerance
+has a residual of at most twice the tolerance times the energy exchanged, or times the kinetic energy if little is
+exchanged.
 """
 
 from __future__ import annotations
@@ -45,9 +46,9 @@ _SCENE = "scene"
 
 
 class EnergyLedger(NamedTuple):
-    """Energies (J) of a run: largest exchanged or in motion, end of numerical dissipation, largest residual.
+    """Energies (J) of a run: largest exchanged or in motion, numerical loss at the end, largest residual.
 
-    standing: sum of the largest sizes of all accounts of energy that is there, whether or not anything moves.
+    standing: sum of the largest magnitudes of all stored energies, whether or not anything moves.
     """
 
     exchanged: float
@@ -130,12 +131,12 @@ def _exchange(result: Result) -> tuple[Vector, Vector]:
 
 
 def tolerance_asked(result: Result) -> float | None:
-    """The tolerance that the provenance tells; None where it tells none."""
+    """The requested tolerance in the provenance; None if there is none."""
     return _tolerance(result, "tolerance")
 
 
 def tolerance_taken(result: Result) -> float | None:
-    """The smaller tolerance of a run that was repeated, as it was likely to miss the one asked; None of others."""
+    """The smaller tolerance of a repeated run; None for other runs."""
     return _tolerance(result, "refined_tolerance")
 
 

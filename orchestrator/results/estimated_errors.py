@@ -1,4 +1,4 @@
-"""Estimated errors of headline numbers, as a result keeps them, and numbers that cannot be vouched for."""
+"""Estimated errors of headline numbers as stored in a result, and messages about large ones."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ MOST_TOLERANCES = 10.0
 _NOTABLE = 0.01
 """Error of a number, relative to what it is judged by, from which on a run warns: it changes the second digit."""
 _LOADS = ("interface force peak", "interface torque peak")
-TORQUE_PEAKS = ("port torque peak", "hinge torque peak")
+TORQUE_PEAKS = ("attachment torque peak", "hinge torque peak")
 """Of single hinges, with the torque about their line."""
-POINT_PEAKS = ("port force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
+POINT_PEAKS = ("attachment force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
 """Headline numbers of the loads at single points: ports of the base, hinges between other bodies."""
 _PER_JOULE = 100.0
 """N or N.m, of which no more is round-off's yardstick for each joule that a scene exchanges."""
@@ -30,7 +30,7 @@ _ADDED_UP = 10.0
 """Times which round-off of one joint is that of a scene."""
 OF_STOPS = "stop torque peak"
 """Judged beside the stop that is struck the hardest."""
-OF_CONTACTS = "contact force highest"
+OF_CONTACTS = "contact force max"
 """Judged beside the contact that is pressed the hardest."""
 OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
 _OF_VECTOR = 0.1
@@ -43,7 +43,6 @@ _AMONG = {
     **dict.fromkeys(POINT_PEAKS[2:], "the largest of all hinges"),
 }
 """What is judged beside the largest of its kind, and that in words."""
-_SAID = {OF_CONTACTS: "highest contact force"}
 SIZING = (*OF_LATCHES, OF_STOPS)
 """Quantities that size hinges."""
 PROMISED = (*SIZING, OF_CONTACTS, *_LOADS)
@@ -53,16 +52,16 @@ JUDGED = (*PROMISED, *POINT_PEAKS)
 
 
 class EstimatedError(NamedTuple):
-    """Error of a headline number in its unit: what is likely, and what it may be at the most."""
+    """Error of a headline number in its unit: likely, and largest possible."""
 
     likely: float
     most: float
 
 
 def beside_their_vector(errors: Mapping[Key, EstimatedError]) -> dict[Key, EstimatedError]:
-    """The errors; of components of one load no error at the most is below a tenth of the largest among them.
+    """The errors; no largest possible error of a load component is below a tenth of the largest among the components.
 
-    All are those of the same ringing, and one of them may agree in two runs by chance.
+    All components have the errors of the same vibration, and one of them may agree in two runs by chance.
     """
     least = {
         load: _OF_VECTOR * max((error.most for key, error in errors.items() if key[0] == load), default=0.0)
@@ -152,9 +151,9 @@ def error_messages(
 def beyond_ten_tolerances(
     numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float
 ) -> dict[Key, float]:
-    """The numbers that cannot be vouched for to ten tolerances, and what they may be off by at the most.
+    """Numbers whose largest possible error exceeds ten tolerances, and that error.
 
-    As a share of what each is judged by, see `doubts`.
+    It is relative to the reference value of each number, see `error_messages`.
     """
     shares = _shares(numbers, errors, JUDGED)
     return {key: share.most for key, share in shares.items() if share.most > MOST_TOLERANCES * tolerance}
@@ -169,7 +168,7 @@ def tabulated_errors(
 
 
 def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
-    """In words what is off, all that is judged beside one value at once, by the largest part, and of what it is one."""
+    """Subject, largest share and reference value of numbers; numbers with a common reference value together."""
     for quantity, of in shares:
         whole = _AMONG.get(quantity)
         if whole is None:
@@ -178,14 +177,14 @@ def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
         members = [one for like, one in shares if like == quantity]
         if of == members[0]:
             most = max(shares[quantity, one] for one in members)
-            yield f"{_SAID.get(quantity, quantity)} of {', '.join(members)}", most, whole
+            yield f"{quantity} of {', '.join(members)}", most, whole
 
 
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
-    """Magnitude up to which all loads of a kind (N or N.m) are round-off beside others: at the base, hinges, latches.
+    """Magnitude below which all loads of a kind (N or N.m) are round-off relative to loads at base, hinges, latches.
 
-    Iterations end beside these and one newton (metre), or less where a scene is driven by less, see
-    `cosim.implicit.convergence.Tolerance`; what they leave in several joints adds up.
+    Iterations end relative to these and to 1 N (N.m), or less in scenes with less energy, see
+    `cosim.implicit.convergence.Tolerance`; their residuals in several joints add up.
     """
     known = dict(numbers)
     beside = (value for key, value in known.items() if key[0] in (*_LOADS, *POINT_PEAKS, "latch torque peak"))
@@ -198,7 +197,7 @@ def largest_shares(
     errors: Mapping[Key, EstimatedError],
     quantities: Collection[str] = PROMISED,
 ) -> EstimatedError:
-    """The largest errors of promised quantities over the sizes that they are judged by; 0 where there are none."""
+    """The largest relative errors of promised quantities; 0 if there are none."""
     shares = _shares(numbers, errors, quantities).values()
     return EstimatedError(
         max((share.likely for share in shares), default=0.0),
@@ -212,10 +211,10 @@ def least_sure(
     quantities: Collection[str] = PROMISED,
     by: Literal["likely", "most"] = "likely",
 ) -> tuple[str, EstimatedError]:
-    """In words the number with the largest error of promised quantities, and both its errors over its size."""
+    """The number with the largest relative error of promised quantities, and its relative errors."""
     shares = _shares(numbers, errors, quantities)
     quantity, of = max(shares, key=lambda key: float(getattr(shares[key], by)))
-    return f"{_SAID.get(quantity, quantity)} of {of}", shares[quantity, of]
+    return f"{quantity} of {of}", shares[quantity, of]
 
 
 def _shares(
@@ -231,10 +230,10 @@ def _shares(
 def _sizes(
     numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]
 ) -> Iterator[tuple[Key, float]]:
-    """What a run promises and has errors of, with the sizes that these are judged by.
+    """Promised numbers with errors, and their reference values.
 
-    Forces that are round-off beside the torques of the scene, or torques beside its forces, are no promise, nor are
-    components that are beside others.
+    Forces that are round-off relative to torques of the scene, or vice versa, are not promised, nor are components that
+    are round-off relative to others.
     """
     largest = {
         load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _AMONG

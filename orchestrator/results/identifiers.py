@@ -1,4 +1,4 @@
-"""Fixed identifiers of headline numbers, such as `latch_time.HL1`: quantity, a dot, and what it is of."""
+"""Fixed identifiers of headline numbers, such as `latch_time.HL1`: quantity, a dot, and the component."""
 
 from __future__ import annotations
 
@@ -10,46 +10,56 @@ _FIXED = {
     "latch impulse": "latch_impulse",
     "latch torque peak": "latch_torque_peak",
     "lock torque peak": "lock_torque_peak",
-    "angle, not latched": "unlatched_angle",
+    "final angle, not latched": "unlatched_angle",
     "largest angle, no latch": "largest_angle",
-    "angle at the end, no latch": "end_angle",
+    "final angle, no latch": "end_angle",
     "attitude peak": "attitude_peak",
-    "attitude at the end": "end_attitude",
+    "final attitude": "end_attitude",
     "attitude rate peak": "attitude_rate_peak",
     "interface force peak": "interface_force_peak",
     "interface torque peak": "interface_torque_peak",
     "interface force magnitude peak": "interface_force_peak",
     "interface torque magnitude peak": "interface_torque_peak",
-    "port force peak": "port_force_peak",
-    "port torque peak": "port_torque_peak",
+    "attachment force peak": "port_force_peak",
+    "attachment torque peak": "port_torque_peak",
     "hinge force peak": "hinge_force_peak",
     "hinge torque peak": "hinge_torque_peak",
-    "motor energy": "motor_energy",
-    "energy put in": "supplied_energy",
+    "motor work": "motor_energy",
+    "external work": "supplied_energy",
     "energy exchanged": "energy_exchanged",
-    "numerical dissipation": "numerical_loss",
+    "numerical energy loss": "numerical_loss",
     "energy residual": "energy_residual",
 }
-_OF_LOADS = {"peak": "peak", "lowest": "min", "highest": "max"}
-"""What ends the quantity of a load, whose variable comes before it."""
-_ENDINGS = tuple(f"_{ending}" for ending in _OF_LOADS.values())
+_ENDINGS = ("_peak", "_min", "_max")
+"""Extremes of a load, after its variable."""
+_STRAND, _TENSION = "strand", "tension"
+
+
+def load_words(variable: str) -> str:
+    """Words for the variable of a load: "strand A tension" for `tension_a`, "contact force" for `contact_force`."""
+    kind, _, strand = variable.partition("_")
+    if kind == _TENSION and strand:
+        return f"{_STRAND} {strand.upper()} {_TENSION}"
+    return variable.replace("_", " ")
 
 
 def quantity_identifier(quantity: str) -> str:
-    """Of a quantity, without what it is of: `tension_a_min` of "tension a lowest"."""
+    """Identifier of a quantity without its component: `tension_a_min` for "strand A tension min"."""
     if quantity in _FIXED:
         return _FIXED[quantity]
-    variable, _, ending = quantity.rpartition(" ")
-    return f"{variable.replace(' ', '_')}_{_OF_LOADS[ending]}"
+    words = quantity.split(" ")
+    if words[0] == _STRAND:
+        words = [_TENSION, words[1].lower(), *words[3:]]
+    return "_".join(words)
 
 
 def identifier(quantity: str, of: str) -> str:
-    """Of a headline number."""
+    """Identifier of a headline number."""
     return ".".join(filter(None, (quantity_identifier(quantity), of)))
 
 
 def in_order(text: str) -> str:
-    """An identifier that may have what it is of in front, `HL1.latch_time`, as it is written, `latch_time.HL1`."""
+    """The usual order, `latch_time.HL1`, of an identifier that may have the component first, `HL1.latch_time`."""
     first, _, last = text.rpartition(".")
     return f"{last}.{first}" if first and _is_quantity(last) and not _is_quantity(first) else text
 

@@ -15,6 +15,7 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
 from ..messages import is_note, message
+from ..records import short_repr
 from .crests import Peak
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import (
@@ -26,7 +27,7 @@ from .estimated_errors import (
     tabulated_errors,
     unknown_errors,
 )
-from .identifiers import identifier
+from .identifiers import identifier, load_words
 from .latch_impulse import latch_impulses
 from .latch_rate import latch_energies, latch_rates
 from .line_travel import (
@@ -73,7 +74,7 @@ class Number(NamedTuple):
 
     @property
     def key(self) -> Key:
-        """What tells it from all others."""
+        """Unique key of the number."""
         return self.quantity, self.of
 
     @property
@@ -86,10 +87,11 @@ class Number(NamedTuple):
         return {"value": self.value, "unit": self.unit, "estimated_error": self.error}
 
 
-UNLATCHED = "angle, not latched"
+UNLATCHED = "final angle, not latched"
 """Headline number of a line with a latch that has not latched."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
@@ -198,49 +200,51 @@ class Headline:
         """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
         for line, standing in self.not_opened.items():
             went = (
-                "" if line in self.unlatched_angles else f": it went to {degrees(standing.largest):.2f} deg"
+                ""
+                if line in self.unlatched_angles
+                else f" (largest angle {degrees(standing.largest):.2f} deg)"
             )
             yield message(
-                "W-not-opened", f"{line} {standing.missing}{went}; at {self.end_time:g} s it {standing.state}"
+                "W-not-opened",
+                f"{line} {standing.missing}{went}. At {self.end_time:g} s it {standing.state}.",
             )
         for line, passed in self.overruns.items():
             yield message(
                 "W-no-end",
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
-                f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
-                f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop",
+                f"{passed.passed_at:.4g} s: largest angle {degrees(passed.largest):.2f} deg, at {self.end_time:g} s "
+                f"{degrees(passed.last):.2f} deg. Add a latch or an end_stop.",
             )
         for line, depth in self.pressed_stops.items():
             yield message(
                 "W-stop-pressed",
-                f"{line} went {degrees(depth.value):.0f} deg beyond its end stop, at {depth.time:.4g} s; check the "
-                "stiffness of end_stop",
+                f"{line} moved {degrees(depth.value):.0f} deg beyond its end stop at {depth.time:.4g} s. Check the "
+                "stiffness of end_stop.",
             )
         for line, back in self.folded_back.items():
             yield message(
                 "W-folded-back",
-                f"{line} folded back by {degrees(back.value):.1f} deg behind where it started, at {back.time:.4g} s; "
-                "nothing there is meant to stop it: where bodies would touch, give a contact or a hold_down",
+                f"{line} folded back {degrees(back.value):.1f} deg behind its start angle at {back.time:.4g} s. Add a "
+                "contact or a hold_down where bodies would touch.",
             )
         for line, stood in self.beyond_tables.items():
             yield message(
                 "W-table-range",
-                f"{line} stood at {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
-                "or harness, which go on by their slopes there without end; give tables that tell of such angles, or "
-                "what keeps the line from them",
+                f"{line} reached {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
+                "or harness, whose last slopes are extrapolated. Extend the tables, or limit the travel of the line.",
             )
         for line, bend in self.bent.items():
             yield message(
                 "W-bent",
-                f"the hinges of {line} bent across their line by up to {degrees(bend.value):.0f} deg, "
-                f"at {bend.time:.4g} s; no hinge does, and their springs are meant for small angles: check "
-                "cross_stiffness and rotational_stiffness, and whether a line of one hinge can carry what hangs on it",
+                f"the hinges of {line} bent across their line by {degrees(bend.value):.0f} deg at {bend.time:.4g} s, "
+                "beyond the small angles of their springs. Check cross_stiffness and rotational_stiffness, and whether "
+                "a line with one hinge can carry its load.",
             )
         for line in self.peaks_at_end:
             yield message(
                 "W-peak-at-end",
-                f"the latch torque of {line} is largest at the very end, {self.end_time:g} s; "
-                "run longer for its peak",
+                f"the latch torque of {line} is largest at the end of the run, {self.end_time:g} s. Run longer to "
+                "include its peak.",
             )
 
     def numbers(self) -> Iterator[Number]:
@@ -253,12 +257,12 @@ class Headline:
         yield from self._numbers_of_lines()
         yield from self._numbers_of_base()
         yield from self._numbers_of_loads()
-        yield Number("motor energy", "", self.motor_energy, "J")
+        yield Number("motor work", "", self.motor_energy, "J")
         if self.supplied_energy:
-            yield Number("energy put in", "", self.supplied_energy, "J")
+            yield Number("external work", "", self.supplied_energy, "J")
         if self.energy_residual is not None:
             yield Number("energy exchanged", "", self.energy_exchanged, "J")
-            yield Number("numerical dissipation", "", self.numerical_dissipation, "J")
+            yield Number("numerical energy loss", "", self.numerical_dissipation, "J")
             yield Number("energy residual", "", self.energy_residual, "1")
 
     def _numbers_of_lines(self) -> Iterator[Number]:
@@ -273,7 +277,7 @@ class Headline:
         for line, passed in self.overruns.items():
             yield Number("largest angle, no latch", line, passed.largest, "rad")
         for line, short in self.short_of_deployed.items():
-            yield Number("angle at the end, no latch", line, short.last, "rad")
+            yield Number("final angle, no latch", line, short.last, "rad")
         for line, impulse in self.latch_impulses.items():
             yield Number("latch impulse", line, impulse, "N.m.s")
         for line, torque in self.latch_torque_peaks.items():
@@ -283,7 +287,7 @@ class Headline:
     def _numbers_of_base(self) -> Iterator[Number]:
         vectors = (
             ("attitude peak", self.attitude_peaks, "rad"),
-            ("attitude at the end", self.attitude_at_end, "rad"),
+            ("final attitude", self.attitude_at_end, "rad"),
             ("attitude rate peak", self.attitude_rate_peaks, "rad/s"),
             ("interface force peak", self.interface_force_peaks, "N"),
             ("interface torque peak", self.interface_torque_peaks, "N.m"),
@@ -306,8 +310,8 @@ class Headline:
         yield from self.torque_numbers()
         for name, forces in self.force_extremes.items():
             for variable, (low, high) in forces.items():
-                yield Number(f"{variable.replace('_', ' ')} lowest", name, low, "N")
-                yield Number(highest_of(variable), name, high, "N")
+                yield Number(min_of(variable), name, low, "N")
+                yield Number(max_of(variable), name, high, "N")
 
 
 def headline(result: Result) -> Headline:
@@ -351,8 +355,8 @@ def headline(result: Result) -> Headline:
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
         base_load_peaks={unit: _magnitude_peak(result, INTERFACE_LOAD, unit) for unit in ("N", "N.m")},
-        port_force_peaks=at_points["port force peak"],
-        port_torque_peaks=at_points["port torque peak"],
+        port_force_peaks=at_points["attachment force peak"],
+        port_torque_peaks=at_points["attachment torque peak"],
         hinge_force_peaks=at_points["hinge force peak"],
         hinge_torque_peaks=at_points["hinge torque peak"],
         attitude_peaks=_component_peaks(result, ATTITUDE, "rad"),
@@ -388,7 +392,7 @@ def magnitude_of(load: str) -> str:
 
 
 def _with_magnitudes(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, float]) -> dict[Key, float]:
-    """The errors; a vector's magnitude is off by what its components are off by, as far as they are part of it."""
+    """The errors, and those of vector magnitudes, from the errors of components weighted by their share."""
     found, values = dict(errors), dict(numbers)
     for load in ("interface force peak", "interface torque peak"):
         whole = values.get((magnitude_of(load), ""), 0.0)
@@ -414,32 +418,32 @@ def _missing(
 _OF_THE_RUN = {
     "interface force magnitude peak": "magnitude",
     "interface torque magnitude peak": "magnitude",
-    "energy put in": "but by motors, up to the end",
-    "numerical dissipation": "up to the end",
+    "external work": "loads and motion laws, whole run",
+    "numerical energy loss": "whole run",
     "energy residual": "relative to energy exchanged",
 }
-"""What tables say of numbers that are of the whole run."""
+"""Column "of" for numbers of the whole run."""
 
 
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
     """Quantity, of, value, unit and estimated error of every headline number as texts.
 
-    Round-off beside the largest of a load's components reads 0; forces that are nothing are left out.
+    Round-off relative to the largest component of a load reads 0; forces that are zero are omitted.
     """
     floors = round_off_floors(found)
     absent = {
-        (f"{variable.replace('_', ' ')} {extreme}", name)
+        (extreme(variable), name)
         for name, forces in found.force_extremes.items()
         for variable, (low, high) in forces.items()
-        for extreme in ("lowest", "highest")
+        for extreme in (min_of, max_of)
         if max(abs(low), abs(high)) <= floors[name]
     }
     for number in found.numbers():
         of, floor = number.of, floors.get(number.quantity, floors.get(number.of, 0.0))
         if (number.quantity, of) in absent or (number.quantity in POINT_PEAKS and number.value <= floor):
             continue
-        if number.quantity == "motor energy":
-            of = "up to the last latch-up" if found.latch_times else "over the run"
+        if number.quantity == "motor work":
+            of = "until last latch-up" if found.latch_times else "whole run"
         of = _OF_THE_RUN.get(number.quantity, of)
         unit, size = shown(number.unit)
         digits = ".6f" if unit == "s" else ".5g"
@@ -462,7 +466,7 @@ def round_off_floors(found: Headline) -> dict[str, float]:
         "interface torque peak": torques,
         "interface torque magnitude peak": torques,
         "attitude peak": noise_floor(found.attitude_peaks),
-        "attitude at the end": noise_floor(found.attitude_peaks),
+        "final attitude": noise_floor(found.attitude_peaks),
         "attitude rate peak": noise_floor(found.attitude_rate_peaks),
         **{quantity: floor(peaks.values()) for quantity, peaks in _point_peaks(found)},
         **{
@@ -484,7 +488,7 @@ def latch_times(result: Result) -> dict[str, float]:
 
 
 def is_latch_up(text: str) -> bool:
-    """Whether the text of an event tells of a latch-up."""
+    """Whether the text of an event reports a latch-up."""
     return "latch" in text.lower() and "unlatch" not in text.lower()
 
 
@@ -534,13 +538,18 @@ def _point_peaks(found: Headline) -> Iterator[tuple[str, Mapping[str, float]]]:
 
 
 def peak_of(load: str) -> str:
-    """What the headline calls the peak of a load."""
-    return f"{load.replace('_', ' ')} peak"
+    """Quantity of the peak magnitude of a load."""
+    return f"{load_words(load)} peak"
 
 
-def highest_of(load: str) -> str:
-    """What the headline calls the highest value of a force."""
-    return f"{load.replace('_', ' ')} highest"
+def min_of(load: str) -> str:
+    """Quantity of the minimum of a force."""
+    return f"{load_words(load)} min"
+
+
+def max_of(load: str) -> str:
+    """Quantity of the maximum of a force."""
+    return f"{load_words(load)} max"
 
 
 def loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:
@@ -579,6 +588,6 @@ def _supplied_energy(result: Result, until: float) -> float:
 
 
 def _given(time: Vector, energy: Vector, until: float) -> float:
-    """What an energy (J) gained by moving up to a time; it jumps where an event sets a parameter that tells it."""
+    """Gain of an energy (J) due to motion up to a time, without jumps where an event changes a parameter."""
     gained = np.where(np.diff(time) > EVENT_WIDTH, np.diff(energy), 0.0)
     return float(np.interp(until, time, energy[0] + np.concatenate([[0.0], np.cumsum(gained)])))

@@ -23,8 +23,8 @@ def latch_impulses(result: Result, times: Mapping[str, float]) -> dict[str, floa
 def latch_impulse(result: Result, line: HingeLine, latched: float) -> float | None:
     """Magnitude of the angular impulse about the hinge line (N.m.s) at its latch-up (s), the sum over its hinges.
 
-    None where the line is no lock between rigid bodies, or its result has no record of it. Beside a flexible body it
-    would be that of the little that moves with the hinges at first.
+    None if the line is no lock between rigid bodies, or its result has no record of it. Next to a flexible body it
+    would be that of the small mass that moves with the hinges at first.
     """
     after = int(np.searchsorted(result.time, latched, side="right"))
     if not line.locks_rigid or not 0 < after < result.time.size:

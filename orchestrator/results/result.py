@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from components import FanfoldError
 
 from ..assembly import Geometry, HingeLine
+from ..records import short_repr
 from . import parts
 from .parts import Event, Meaning, Scalar
 
@@ -33,6 +34,7 @@ class ResultError(FanfoldError):
     """A sentence for the user: what is wrong with a result, or what it does not hold."""
 
 
+@short_repr
 @dataclass(frozen=True)
 class Result:
     """A result, in a file or in memory (`path` is None); signals of a file are read when asked for. See `open`.

@@ -286,7 +286,7 @@ class ResultWriter:
             self._flush()
 
     def _flush_by_time(self) -> None:
-        """Flush once a second until the file is closed; a failure is told with the next row."""
+        """Flush once a second until the file is closed; a failure is raised with the next row."""
         while not self._closing.wait(_SECONDS):
             try:
                 self.flush()
@@ -457,7 +457,7 @@ def _write_geometry(folder: Any, geometry: Mapping[str, Geometry]) -> None:  # n
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
-    """What tells a file from another of its name; None where there is none."""
+    """Identity of a file among files of its name; None if there is none."""
     try:
         status = path.stat()
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Round-off beside real values: what is nothing though it is not zero."""
+"""Round-off relative to real values: numbers that count as zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The few numbers that a run is judged by at first sight, as texts rounded to their estimated errors."""
+"""The short table of a run: its main numbers as texts, rounded to their estimated errors."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import floor, log10
 from typing import NamedTuple
 
-from .key_figures import Headline, Number, magnitude_of, round_off_floors, shown
+from .identifiers import load_words
+from .key_figures import Headline, Number, magnitude_of, max_of, min_of, round_off_floors, shown
 from .round_off import rounded_to_floor
 
 _DIGITS, _WITHOUT_ERROR = 8, 4
-"""Significant digits at most, and of numbers without an estimated error."""
+"""Largest number of significant digits, and that of numbers without an estimated error."""
 _TENSION = "tension"
 _MOST_SLACK = 2
 """Strands, those that are slack the longest."""
@@ -28,7 +29,7 @@ class LineRow(NamedTuple):
 
 
 class ShortRow(NamedTuple):
-    """A number: what, value, unit, and what it is of."""
+    """A number: quantity, value, unit, and component or remark."""
 
     quantity: str
     value: str
@@ -42,7 +43,7 @@ LINE_HEADINGS = LineRow(
 
 
 def rounded(value: float, error: float | None) -> str:
-    """A number rounded to its estimated error, and that behind ±; without one to four digits."""
+    """A number rounded to its estimated error, followed by ± and the error; without an error to four digits."""
     if not error:
         return f"{value:.{_WITHOUT_ERROR}g}"
     return f"{_to_error(value, error)} ± {float(f'{error:.1g}'):g}"
@@ -59,7 +60,7 @@ def _to_error(value: float, error: float | None) -> str:
 
 
 def line_rows(found: Headline) -> list[LineRow]:
-    """Every line with a latch; "-" for what it has not."""
+    """Every line with a latch; "-" for missing numbers."""
     numbers = {number.id: number for number in found.numbers()}
 
     def cell(quantity: str, line: str) -> str:
@@ -101,14 +102,14 @@ def short_rows(found: Headline) -> Iterator[ShortRow]:
         yield from _largest(quantity, [n for n in numbers if n.quantity == quantity], floors)
     yield from _forces(found, numbers, floors)
     for number in numbers:
-        if number.quantity in ("motor energy", "energy put in") and number.value:
+        if number.quantity in ("motor work", "external work") and number.value:
             yield ShortRow(number.quantity, rounded(number.value, number.error), number.unit, "")
     if found.energy_residual is not None:
         yield ShortRow("energy residual", f"{found.energy_residual:.1g}", "", "of the energy exchanged")
 
 
 def _as_shown(number: Number) -> tuple[float, float | None]:
-    """Value and error in the unit that people read."""
+    """Value and error in the unit of tables."""
     factor = shown(number.unit)[1]
     return factor * number.value, None if number.error is None else factor * number.error
 
@@ -116,7 +117,7 @@ def _as_shown(number: Number) -> tuple[float, float | None]:
 def _vector(
     name: str, load: str, numbers: Sequence[Number], floors: Mapping[str, float]
 ) -> Iterator[ShortRow]:
-    """Peak of a vector's magnitude where there is one, and peaks of its components; nothing for what is round-off."""
+    """Peak of a vector's magnitude if it has one, and peaks of its components; no row if all are round-off."""
     parts = [n for n in numbers if n.quantity == load]
     if not any(rounded_to_floor(n.value, floors[load]) for n in parts):
         return
@@ -135,9 +136,9 @@ def _vector(
 
 
 def _largest_of(found: Headline, has_lines: bool) -> set[str]:
-    """Quantities of which the largest one is told: torques of parts, and where nothing latches loads at points."""
+    """Quantities of which the largest number is shown: torques of parts, and without hinge lines loads at points."""
     torques = {n.quantity for n in found.torque_numbers()}
-    points = {"port force peak", "port torque peak", "hinge force peak", "hinge torque peak"}
+    points = {"attachment force peak", "attachment torque peak", "hinge force peak", "hinge torque peak"}
     return torques if has_lines else torques | points
 
 
@@ -148,27 +149,32 @@ def _largest(quantity: str, numbers: Sequence[Number], floors: Mapping[str, floa
 
 
 def _forces(found: Headline, numbers: Sequence[Number], floors: Mapping[str, float]) -> Iterator[ShortRow]:
-    """Lowest and highest force of a kind among all parts; of cables that of their strands, and when these are slack."""
+    """Minimum and maximum of each kind of force over all parts, of cables over their strands; slack times."""
     groups: dict[str, list[tuple[str, str, str]]] = {}
     for name, forces in found.force_extremes.items():
         strands = [variable for variable in forces if variable.startswith(_TENSION)]
         for variable in strands or forces:
             low, high = forces[variable]
             if max(abs(low), abs(high)) > floors[name]:
-                kind = "cable tension" if strands else variable.replace("_", " ")
-                strand = variable.removeprefix(_TENSION).replace("_", " ")
-                words = variable.replace("_", " ")
-                groups.setdefault(kind, []).append((name, f"{name}{strand}" if strands else name, words))
+                kind = "cable tension" if strands else load_words(variable)
+                label = _strand(name, variable) if strands else name
+                groups.setdefault(kind, []).append((name, label, variable))
     by_key = {n.key: n for n in numbers}
     for kind, members in groups.items():
         ends = []
-        for ending, choose in (("lowest", min), ("highest", max)):
-            value_of = {label: by_key[f"{words} {ending}", name] for name, label, words in members}
+        for extreme, choose in ((min_of, min), (max_of, max)):
+            value_of = {label: by_key[extreme(variable), name] for name, label, variable in members}
             label = choose(value_of, key=lambda one: value_of[one].value)
             ends.append((rounded(value_of[label].value, value_of[label].error), label))
         (lowest, of_low), (highest, of_high) = ends
         note = of_low if of_low == of_high else f"{of_low} / {of_high}"
         yield ShortRow(f"{kind} min/max", f"{lowest} / {highest}", "N", note)
     for one in sorted(found.slack, key=lambda one: one.start - one.end)[:_MOST_SLACK]:
-        strand = one.strand.removeprefix(_TENSION).replace("_", " ")
-        yield ShortRow("slack", f"{one.start:.3g} s to {one.end:.3g} s", "", f"{one.component}{strand}")
+        of = _strand(one.component, one.strand)
+        yield ShortRow("slack", f"{one.start:.3g} s to {one.end:.3g} s", "", of)
+
+
+def _strand(component: str, variable: str) -> str:
+    """Name of a strand by the variable of its tension, such as "loop A"; the component alone if it has one strand."""
+    strand = variable.removeprefix(_TENSION).strip("_").upper()
+    return f"{component} {strand}".strip()

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from ..records import short_repr
 from .parts import Event
 from .result import Result, ResultError, Vector
 
@@ -35,6 +36,7 @@ def matches(key: tuple[str, str], pattern: str) -> bool:
     return fnmatchcase(key[0], pattern) or fnmatchcase(".".join(key), pattern)
 
 
+@short_repr
 @dataclass(frozen=True, eq=False)
 class Signal(NDArrayOperatorsMixin):
     """A recorded signal; NumPy takes it for the array of its values, and what is computed from it is a plain array.
@@ -85,6 +87,7 @@ class Signal(NDArrayOperatorsMixin):
         return getattr(ufunc, method)(*plain, **keywords)
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Instant:
     """All signals of a result at one time (s): `instant["hinge", "angle"]`, () or (size,) of a vector."""

@@ -1,4 +1,4 @@
-"""What became of a deployment: which lines did not open and what holds them, and the verdict in a few sentences."""
+"""Verdict of a deployment: lines that did not open, with the reason, and a few summary sentences."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class NotOpened:
         coupled = f" (coupled to {', '.join(self.coupled)})" if self.coupled else ""
         motors = "motors" if self.coupled else "motor"
         held = f"is stuck at {where}{coupled}: {motors} {motor} N.m {order} friction {friction} N.m"
-        return held if order == "below" else f"{held}, but something else holds it"
+        return held if order == "below" else f"{held}, so something else holds it"
 
 
 def not_opened(result: Result, missing: Mapping[str, str]) -> dict[str, NotOpened]:
@@ -94,7 +94,7 @@ def _at_end(result: Result, hinges: Iterable[str], variable: str) -> float:
 
 
 def _apart(one: float, other: float) -> tuple[str, str]:
-    """Both numbers with as few digits as tell them apart."""
+    """Both numbers with the fewest digits that differ."""
     texts = ((f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(3, 16))
     return next((pair for pair in texts if pair[0] != pair[1]), (f"{one:g}", f"{other:g}"))
 
@@ -111,7 +111,7 @@ def lines_sentence(
     named = [f"{line} {one.missing}: it {one.state}." for line, one in list(standing.items())[:_MOST_LINES]]
     sentences += named
     if len(standing) > len(named):
-        sentences.append(f"Nor have {', '.join(list(standing)[len(named) :])} opened.")
+        sentences.append(f"Not opened either: {', '.join(list(standing)[len(named) :])}.")
     of_all = not standing and complete
     sentences += _reached(latch_times, "latched", of_all and not stop_times)
     sentences += _reached(stop_times, "came to their end stops", of_all and not latch_times)

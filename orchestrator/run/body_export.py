@@ -11,6 +11,7 @@ import tomli_w
 
 from components import ComponentError
 
+from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.bodies import body_definition
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 ENDINGS = (".npz", ".op4", ".asm")
 
 
+@short_repr
 @dataclass(frozen=True)
 class ExportedBody:
     """A file, the numbers of nodes in it by point, and how many fixed-interface modes it has."""
@@ -33,7 +35,7 @@ class ExportedBody:
     modes: int
 
     def to_toml(self) -> str:
-        """The entry of a scene file that has the body from its file, which lies beside it."""
+        """The table of a scene file that imports the body from its file next to it."""
         table: dict[str, object] = {
             "file": self.path.name,
             "attachment_points": dict(self.attachment_points),

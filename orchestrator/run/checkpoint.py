@@ -1,7 +1,7 @@
-"""Checkpoints: a file beside a result from which its run goes on in every bit as if it had not been interrupted.
+"""Checkpoints: a file next to a result, from which its run continues bit-identically.
 
-It holds a snapshot of the run, how far the result goes, and what the run was asked for. It is replaced as a whole, so a
-kill leaves the one before, and it goes when the run comes to its end.
+It contains a snapshot of the run, the length of the result, and the settings of the run. It is replaced as a whole, so
+a kill leaves the previous one. It is removed when the run reaches its end.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Checkpoint:
     settled: bool
 
     def write(self, result: Path) -> None:
-        """Into the file beside a result; RunError where it cannot be written."""
+        """Write to the file next to a result; RunError if it cannot be written."""
         snapshot = self.snapshot
         numbers = {
             "format": _FORMAT,
@@ -106,5 +106,5 @@ class Checkpoint:
 
 
 def checkpoint_file(result: Path) -> Path:
-    """The file beside a result."""
+    """The checkpoint file next to a result."""
     return result.with_name(f"{result.name}.checkpoint")

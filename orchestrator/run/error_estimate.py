@@ -1,15 +1,15 @@
-"""How far off are the headline numbers of a run? A companion takes every two of its steps as one.
+"""Estimated errors of headline numbers, from a companion run that takes every two steps as one.
 
-The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
-it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order
-of the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step
-resolves, of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the
-whole difference, and 1.75 times that at order 4. Where both numbers are near each other by chance, the rows around
-them differ by more (`near_peaks`); where ringing is not resolved, the rows of the run itself tell what both miss
-alike (`step_ends`), and so where friction reverses beside a peak (`friction_reversals`), where steps damp it, how it
-fades in both (`lost_ringing`), and where small differences grow, what they have come to elsewhere (`coming_apart`).
-Where steps twice as long do not lead to the end, or to loads beyond all measure, or where many are divided as they do
-not converge, a companion of half the steps tells instead, at twice the cost.
+The companion costs half of the run. It repeats the accepted steps, segment by segment between events. If the error
+goes with the power n of the step size, its difference from the run is 2^n - 1 times the error. Here n is the order of
+the coupling if vibrations are resolved; unresolved vibrations, friction and the number of swings follow no power. So
+the estimate divides the difference by a number between 2^n - 1 and 1, and the largest possible error is the whole
+difference, 1.75 times that at order 4.
+
+Further sources: the rows around both peaks differ by more where peaks agree by chance (`near_peaks`); the rows of the
+run show errors of unresolved vibrations (`step_ends`), of friction reversals near a peak (`friction_reversals`), of
+numerical damping (`lost_ringing`), and of diverging trajectories (`coming_apart`), which both runs share. If doubled
+steps do not reach the end, or many are divided, a companion with halved steps replaces it, at twice the cost.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def _is_divided(plan: Sequence[Sequence[float]], companion: Outcome) -> bool:
 
 
 def _is_astray(told: Outcome, companion: Outcome) -> bool:
-    """Whether the loads of a companion are beyond all measure of those that are told."""
+    """Whether the loads of a companion are unbounded relative to those of the run."""
     ours, theirs = (
         max((abs(n.value) for n in one.headline.numbers() if n.unit in _LOADS), default=0.0)
         for one in (told, companion)

@@ -1,6 +1,6 @@
-"""How large a result is going to be, and whether the disk has room for it: told of while one can still act.
+"""Expected size of a result and free space on its disk, with a warning while a user can still act.
 
-A result that meets a full disk is readable up to there, but the night is lost; one of many gigabytes is hard to read.
+A result on a full disk is readable up to that time, but the run is lost; a result of many gigabytes is hard to read.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ _LARGE = 5.0 * _GIGABYTE
 
 
 class FreeSpace:
-    """A watch that tells once that a result grows so that it will not fit, or is large, until the run's end (s).
+    """A watch that warns once if a result will not fit on its disk, or will be large, at the end of the run (s).
 
-    Room is reserved for many rows at a time, so that growth is counted from one such moment to a later one. What is
-    left of the run is expected to grow as it did.
+    Room is reserved for many rows at a time, so growth is measured between two reservations. The rest of the run is
+    expected to grow at the same rate.
     """
 
     def __init__(self, path: Path, end: float, warn: Callable[[str], None], watch: Watch) -> None:

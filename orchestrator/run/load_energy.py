@@ -1,8 +1,8 @@
-"""The energy that loads will put through a scene without motors, from a coarse run before the one asked for.
+"""Energy that loads put through a scene without motors, from a coarse run before the requested one.
 
-Errors are judged beside the energy of a scene. What motors give is known before they move; what loads give follows from
-how far they lead. A load that grows from nothing would have its first instants judged beside next to nothing: 171,000
-steps for a beam that is bent slowly, where 5,200 give the same.
+Errors are relative to the energy of a scene. The energy of motors is known before the run; that of loads follows from
+the motion. If a load grows from zero, its first instants would be relative to almost nothing: 171,000 steps for a
+slowly bent beam, instead of 5,200 with the same result.
 """
 
 from __future__ import annotations

@@ -57,9 +57,8 @@ def let_go_at_start(assembly: Assembly) -> Iterator[str]:
     """A sentence for joints that are held in the search alone, as loads would drive what they carry away."""
     if assembly.preload and (joints := ", ".join(held_joints(with_free_joints(assembly)))):
         yield (
-            f"{assembly.name}: there is no equilibrium where loads let {joints} turn, so that the search for the start "
-            "holds it, and it lets go at t = 0: joints begin with what they bear so; start without preload, or from "
-            "where all hangs at rest"
+            f"{assembly.name}: there is no static equilibrium while {joints} can turn, so the search holds it and "
+            "it is released at t = 0. Start without preload, or from an equilibrium position."
         )
 
 
@@ -74,8 +73,8 @@ def lost_preloads(assembly: Assembly, result: Result) -> Iterator[str]:
         if abs(pull - given) > _LOST * given:
             left = f"{pull:.4g} N" if pull >= 0.0 else f"a push of {-pull:.4g} N"
             yield (
-                f"{part.name} has {left} of its preload of {given:.4g} N where the run starts, in static equilibrium: "
-                "what it pulls against gives way, or there is nothing, such as a snubber"
+                f"{part.name} starts in static equilibrium with {left} instead of its preload of {given:.4g} N. "
+                "Give it something stiff to pull against, such as a snubber."
             )
 
 
@@ -85,8 +84,8 @@ def moved_starts(assembly: Assembly, result: Result) -> Iterator[str]:
     name = max(turns, key=lambda part: turns[part], default="")
     if turns.get(name, 0.0) > _MOVED:
         yield (
-            f"{name} starts {degrees(turns[name]):.3g} deg from where it is placed, in static equilibrium, as "
-            "preload lets loads take joints there; start without preload where it is to begin as placed"
+            f"{name} starts {degrees(turns[name]):.3g} deg from its place, in static equilibrium under the loads "
+            "at the start. Start without preload to keep its place."
         )
     rails = [part for part in assembly.parts if assembly.preload and part.kind == Rail.kind]
     trolleys = {link.connection[0]: link.body[0] for link in assembly.links}
@@ -105,8 +104,9 @@ def _slid_start(assembly: Assembly, name: str, rail: Part, result: Result) -> It
     along = float(np.linalg.norm(shift - (shift @ normal) / (normal @ normal) * normal))
     if along > _SLID:
         yield (
-            f"{name} starts {1e3 * along:.3g} mm along {rail.name} from where it is placed: the loads of the start "
-            "exceed the friction of the rail, or its friction is smooth; start without preload, or hold it by a spring"
+            f"{name} starts {1e3 * along:.3g} mm along {rail.name} from its place, because the loads at the start "
+            "exceed the friction of the rail or its friction is smooth. Start without preload, or hold it with a "
+            "spring."
         )
 
 

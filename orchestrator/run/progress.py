@@ -1,4 +1,4 @@
-"""What a long run tells while it goes, and its interruption between steps, by Ctrl-C or what ends jobs."""
+"""Progress of long runs, and their interruption between steps by Ctrl-C or by signals that end jobs."""
 
 from __future__ import annotations
 

@@ -48,9 +48,9 @@ class Recording:
     signals: Collection[str] = ()
 
     def applied(self, result: Result, warn: Callable[[str], None]) -> Result:
-        """The result with what is to be kept, in its file as well; ResultError where that cannot be written.
+        """The result reduced to what is kept, in its file as well; ResultError if that cannot be written.
 
-        warn: is told of patterns that match nothing, which keep all signals.
+        warn: called about patterns without a match, which keep all signals.
         """
         if self.spacing is None and not self.signals:
             return result
@@ -76,8 +76,8 @@ class Recording:
             warn(
                 message(
                     "W-signals",
-                    f"{result.name}: no signal matches {', '.join(unmatched)}, so all are kept; patterns are of "
-                    f"COMPONENT or COMPONENT.VARIABLE, and components are {', '.join(result.components)}",
+                    f"{result.name}: no signal matches {', '.join(unmatched)}, so all are kept. Use patterns of "
+                    f"COMPONENT or COMPONENT.VARIABLE; components are {', '.join(result.components)}.",
                 )
             )
         if unmatched or not self.signals:
@@ -119,7 +119,7 @@ def _touches(result: Result) -> Iterator[tuple[int, int]]:
 
 
 def _rows_of_peaks(result: Result) -> set[int]:
-    """Rows that the peaks of all loads and latch torques hang on: cubics go through them or are judged by them."""
+    """Rows that determine the peaks of all loads and latch torques: nodes of their cubics, and of the error bounds."""
     events = jumps(result)
     return {
         row
@@ -135,7 +135,7 @@ def _rows_of_peaks(result: Result) -> set[int]:
 
 
 def _peaked(result: Result) -> Iterator[Vector]:
-    """Every signal (N,) whose peak is told."""
+    """Every signal (N,) with a peak among the headline numbers."""
     yield from (line_latch_torque(result, line) for line in result.hinge_lines)
     for of in result.in_role(INTERFACE_LOAD, ATTITUDE, LOAD):
         yield from result.signal(*of).reshape(result.time.size, -1).T

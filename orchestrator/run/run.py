@@ -117,8 +117,8 @@ def export(
 ) -> list[Path]:
     """Write every part of an assembly as an FMU into a directory (made if missing); native where possible.
 
-    Not compressed: for files that are soon gone. platforms: those that the libraries are for, by default this one;
-    `watch` is told of each before its library is compiled, which takes its time once.
+    Not compressed: for temporary files. platforms: platforms of the libraries, by default this one; `watch` is called
+    with each before its library is compiled for the first time.
     """
     try:
         for name in platforms:
@@ -224,11 +224,10 @@ def run(
     asked: Mapping[str, Any] | None = None,
     start: Checkpoint | None = None,
 ) -> Outcome:
-    """Run an assembly, its result into a file or, without one, into memory; RunError where it does not finish.
+    """Run an assembly, with its result in a file or in memory; RunError if it does not finish.
 
-    With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one. asked:
-    what a checkpoint tells of the run besides where it stands, and the text of `SETTINGS`. start: the checkpoint to go
-    on from.
+    With participants that cannot restore states, the explicit Gauss-Seidel master replaces the implicit one. asked:
+    settings for the checkpoint, and the text of `SETTINGS`. start: the checkpoint to continue from.
     """
     asked_for = output, settings, until, master, watch, warn, load, asked, start
     assembly = with_free_joints(assembly)
@@ -267,8 +266,8 @@ def _run(
                 warn(
                     message(
                         "W-backend",
-                        f"{assembly.name}: {exposed} runs in the process of this run, and a crash ends both; "
-                        "install Fanfold with a C compiler to isolate FMUs",
+                        f"{assembly.name}: {exposed} runs in the process of this run, and a crash ends both. "
+                        "Install Fanfold with a C compiler to isolate FMUs.",
                     )
                 )
             fixed = ", ".join(p.name for p in participants if not p.can_restore)
@@ -277,8 +276,8 @@ def _run(
                 warn(
                     message(
                         "W-backend",
-                        f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
-                        "the explicit Gauss-Seidel master takes its place",
+                        f"{assembly.name}: {fixed} cannot restore a saved state, which the implicit master needs. "
+                        "The explicit Gauss-Seidel master is used instead.",
                     )
                 )
             network = Network.ordered(
@@ -376,7 +375,7 @@ def _runner(
 def _signal_processes(
     assembly: Assembly, tolerance: float, stack: ExitStack, warn: Callable[[str], None]
 ) -> list[SignalProcess]:
-    """A process for each FMU that has signals; RunError where one cannot be started. At its end tells its warnings."""
+    """A process for each FMU with signals; RunError if one cannot be started. Their warnings are issued at its end."""
     try:
         found = [stack.enter_context(SignalProcess(fmu, tolerance)) for fmu in assembly.signal_fmus]
     except ParticipantError as error:

@@ -1,4 +1,4 @@
-"""A run of a scene from beginning to end: fidelities, accuracy, master, estimated errors, and what is told of it."""
+"""Simulation of a scene from start to end: fidelities, accuracy, master, estimated errors, warnings."""
 
 from __future__ import annotations
 
@@ -52,14 +52,14 @@ _DAMPED, _TIMES_DAMPED = 0.05, 3.0
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How to run a scene; None is what the scene says, or what is best.
+    """How to run a scene; None is the value of the scene, or the best one.
 
     rigid, flexible, large_deformation: names of bodies, "all" for every one. until: end time, s. tolerance: relative
     accuracy. step: constant communication step size, s. order: of the coupling. checkpoint: simulated time between
     checkpoints, s.
-    refine: repeat a run that is likely to miss its tolerance at a smaller one. isolate: every FMU in a process of its
-    own. record: time between rows that the result keeps beside those of events and peaks, s; all rows without.
-    signals: patterns of those to keep beside what headline numbers need. RunError for what cannot be.
+    refine: repeat a run that is likely to miss its tolerance at a smaller one. isolate: every FMU in its own process.
+    record: time between rows of the result in addition to those of events and peaks, s; by default all rows.
+    signals: patterns of signals in addition to those of headline numbers. RunError for invalid values.
     """
 
     rigid: Collection[str] = ()
@@ -118,13 +118,13 @@ class Options:
         )
 
     def asked(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
-        """What a checkpoint tells of a run, as JSON holds it."""
+        """Settings of a run for its checkpoint, as JSON."""
         names = {name: sorted(getattr(self, name)) for name in _NAMES}
         options = {one.name: getattr(self, one.name) for one in fields(self)} | names
         return {"file": scene.file, "tree": scene.tree, "options": options, "estimate": estimate}
 
     def made_with(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
-        """All that a result follows from besides its scene, as JSON holds it; processes change nothing in it."""
+        """All settings that determine a result, apart from its scene, as JSON; processes do not change it."""
         options = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "isolate"}
         options |= {name: sorted(getattr(self, name)) for name in _NAMES}
         options["until"] = self.until or scene.header.until
@@ -143,7 +143,7 @@ class Simulation:
     outcome: Outcome
 
     def verify(self, progress: Progress = silent) -> list[Verified]:
-        """Run twice more with every step halved and quartered; results stand beside the first, if that has a file."""
+        """Run twice more with every step halved and quartered; results go next to the first, if it has a file."""
         with followed(progress, self.assembly.name, self.until) as watch:
             return verify(self.assembly, self.outcome, self.settings, self.until, watch, self.load)
 
@@ -234,7 +234,7 @@ def _missing_parts(options: Options) -> Iterator[str]:
 
 
 def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
-    """What is told of a scene before it is run."""
+    """Warnings about a scene before it is run."""
     yield from warnings_before_run(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
     yield from coded(
         "W-held-body", _held_sentences(assembly, {*options.flexible, *options.large_deformation})
@@ -244,7 +244,7 @@ def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterat
 
 
 def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
-    """What is told of a run."""
+    """Warnings about a run."""
     if options.step is not None and outcome.costs.rejected:
         yield message("W-step-divided", _divided(assembly, options.step, outcome))
     yield from coded("W-fmu-loop", sampled_loop_warnings(assembly, outcome.result))
@@ -262,11 +262,11 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
 
 
 def _divided(assembly: Assembly, step: float, outcome: Outcome) -> str:
-    """What is told of a constant step size (s) that could not be kept."""
+    """Warning about a constant step size (s) that was divided."""
     longest = max((max(segment, default=0.0) for segment in outcome.segments), default=0.0)
     return (
-        f"{assembly.name}: {outcome.costs.rejected} steps of {step:g} s, or of parts of it, did not converge or gained "
-        f"energy, and were divided; the longest made is {longest:.3g} s"
+        f"{assembly.name}: {outcome.costs.rejected} steps of {step:g} s or less did not converge or gained energy "
+        f"and were divided; the longest step is {longest:.3g} s. Use a smaller --step, or a tolerance."
     )
 
 
@@ -293,7 +293,10 @@ def missing_backend(backend: Backend | None) -> str:
     """What to tell where nothing was said of a back end and there is no native one; empty where there is."""
     if backend is not None or native_library() is not None:
         return ""
-    return "no native library was built at installation; PythonFMUs are used, which are slower"
+    return (
+        "no native library was built at installation, so slower PythonFMUs are used. Install Fanfold again with a "
+        "C compiler."
+    )
 
 
 def _refuse_wings(assembly: Assembly) -> None:
@@ -301,14 +304,17 @@ def _refuse_wings(assembly: Assembly) -> None:
     names = [fmu.name for fmu in assembly.signal_fmus if fmu.iterated and fmu.is_wing]
     if names:
         raise RunError(
-            f"{assembly.name}: steps beside an iterated wing ({', '.join(names)}) follow from the tolerance; at a "
-            "fixed one loads may grow without end: leave it out; the wing's own table has the longest one"
+            f"{assembly.name}: an iterated wing ({', '.join(names)}) needs step-size control, because loads may "
+            "diverge at a constant step. Leave out the step; set a largest step in the table of the wing."
         )
 
 
 def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
     for name in sorted({*bending} - {"all", *assembly.flexible, *assembly.large_deformation}):
-        yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
+        yield (
+            f"{assembly.name}: {name} stays rigid, because held hinge lines join it to a rigid group. Remove held "
+            "= true from these lines if it should be flexible."
+        )
 
 
 def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: bool) -> None:

@@ -1,7 +1,7 @@
-"""An assembly as one SSP file (System Structure and Parameterization 1.0): its FMUs and how they are connected.
+"""An assembly as one SSP file (System Structure and Parameterization 1.0): FMUs and their connections.
 
-The start values are those of the FMUs, the end time that of the scene. SSP knows no step size: OMSimulator finds it in
-the annotation, others are told. The scene itself goes along, for our own runs.
+Start values are those of the FMUs, the end time is that of the scene. SSP has no step size: OMSimulator reads it from
+the annotation, for other tools it is printed. The file also contains the scene, for `fanfold run`.
 """
 
 from __future__ import annotations

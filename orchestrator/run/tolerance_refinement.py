@@ -1,15 +1,14 @@
-"""A run whose numbers are likely to miss its tolerance is repeated at a smaller one, until all can be vouched for.
+"""Repeat a run with smaller tolerances until the estimated errors of its numbers meet the tolerance.
 
-A tolerance bounds what each step adds; what becomes of it is the scene's: a line that turns faster and faster
-towards its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from
-them: a decade of tolerance makes errors `_PER_DECADE` times smaller. Where they do not fall by that, a last run
-takes a hundredth of the tolerance; where that does not help either, as where the motion is chaotic, the result says
-which numbers nobody can vouch for. Latch-ups and stops, which size hinges, are held to what their errors may be at the
-most, loads to what is likely.
+A tolerance bounds the error of each step. The scene may amplify it: a line that accelerates towards its latch, or a
+beat long after latch-up. The estimated errors determine the smaller tolerance: errors fall by `_PER_DECADE` for each
+decade of tolerance. If they do not, a last run takes a hundredth of the tolerance. If that does not help either, as in
+chaotic motion, the result lists the numbers concerned. For latch-ups and stops, which size hinges, the largest
+possible error counts, for loads the likely one.
 
-Estimates near the limit may fall on either side of it on different processors. So a repetition is made only where it
-costs a few times the run: one that would take more steps is not begun, or is given up, and the result states the
-tolerance and the cost of the run that the user may ask for.
+Estimates near the limit may fall on either side of it on different processors. So a repetition is made only if it
+costs a few times the run. If it needs more steps, it is not started, or is stopped; the result then states the
+tolerance and the cost of the repetition.
 """
 
 from __future__ import annotations
@@ -103,7 +102,7 @@ def refined(
             warn(_too_costly(assembly.name, outcome, asked, tolerance, costly.times))
             break
         except RunError as failure:
-            note = f"The result is that of {settings.tolerance:.2g}: the repetition failed, {failure.reason}"
+            note = f"the repetition failed, {failure.reason}; the result has the tolerance {settings.tolerance:.2g}."
             warn(message("N-repetition-failed", note))
             break
         before, error = error, error_in_tolerances(better, asked)
@@ -117,13 +116,13 @@ def refined(
 
 
 def is_too_uncertain(outcome: Outcome, tolerance: float) -> bool:
-    """Whether a number is likely to be off by six tolerances, or one that sizes hinges by ten at the most."""
+    """Whether a likely error exceeds six tolerances, or the largest possible one of a sizing number ten."""
     likely = error_in_tolerances(outcome, tolerance).likely
     return max(likely / _LIKELY, _of_hinges(outcome) / tolerance) > MOST_TOLERANCES
 
 
 def _of_hinges(outcome: Outcome) -> float:
-    """What numbers that size hinges may be off by at the most, as a share of each."""
+    """Largest possible relative error of numbers that size hinges."""
     return largest_shares(_numbers(outcome), estimated_errors(outcome.result), SIZING).most
 
 
@@ -148,7 +147,7 @@ def smaller_tolerance(tolerance: float, error: float, least: float) -> float:
 def _predicted_times(
     assembly: Assembly, outcome: Outcome, finer: Settings, part: float, until: float | None
 ) -> float:
-    """Steps of a run at a part of the tolerance over those of the run, as far as tolerances alone explain them."""
+    """Steps of a run at a fraction of the tolerance over those of the run, if tolerances alone determine them."""
     by_error: float = part ** (-1.0 / outcome.order)
     longest = finer.largest_step * share_of_steps(finer.tolerance)
     return max(by_error, (until or assembly.until) / longest / outcome.costs.steps)
@@ -189,7 +188,7 @@ def _again(
     progress: Progress,
     load: Loader,
 ) -> Outcome:
-    """A run with its estimates in a file beside that of the earlier outcome, whose place it takes in the end."""
+    """A run with its estimates in a temporary file, which replaces that of the earlier outcome in the end."""
     path = outcome.result.path
     end, name = until or assembly.until, f"{assembly.name}: at {settings.tolerance:.2g}"
     asked = {key: text for key, text in outcome.result.provenance.items() if key == SETTINGS}

@@ -1,8 +1,8 @@
-"""How far off is a run? Repeat it with every step halved, twice, and extrapolate each headline number.
+"""Error of a run by Richardson extrapolation: repeat it with steps halved and quartered.
 
-The accepted steps are replayed segment by segment between events. Richardson's extrapolation goes by the order that a
-number shows, between 1 and that of the coupling: rotations are of order 2 where vibrations are of order 4, and what is
-not resolved has none. The order that was observed is reported beside it, whatever it is.
+The accepted steps are replayed segment by segment between events. The extrapolation uses the observed order of each
+number, limited to between 1 and the order of the coupling: rotations have order 2, vibrations order 4, and unresolved
+motion has no order. The observed order is reported with each number.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..cosim.settings import Settings
 from ..results.key_figures import Number
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_NOT_EXTRAPOLATED = ("end time", "energy exchanged", "numerical dissipation", "energy residual")
+_NOT_EXTRAPOLATED = ("end time", "energy exchanged", "numerical energy loss", "energy residual")
 """What is a choice, or has no limit but nothing."""
 
 
@@ -60,9 +60,9 @@ def verify(
     watch: Callable[[float, float], None] = lambda time, h: None,
     load: Loader = as_fmus,
 ) -> list[Verified]:
-    """Run twice more, with the outcome's steps halved and quartered; results stand beside that of the first.
+    """Run twice more, with the outcome's steps halved and quartered; results are written next to that of the first.
 
-    A number that not all three runs have, such as the time of a latch-up near the end, cannot be told.
+    A number that not all three runs have, such as the time of a latch-up near the end, has no error.
     """
     if outcome.master != "implicit":
         raise RunError(f"{assembly.name}: only a run of the implicit master can be verified")

@@ -37,7 +37,7 @@ class RigidBody(Inertial):
 
 
 class Motion(Table):
-    """What moves a base or a placed body whatever it takes: a shift along an axis and a turn about another, world axes.
+    """Prescribed motion of a base or a placed body: translation along an axis, rotation about another, world axes.
 
     Terms are those of `components.numerics.motion_law`; the scene starts where they do.
     """
@@ -79,7 +79,7 @@ class Base(Table):
     free: Inertial | None = None
     """Mass properties of a spacecraft that moves under the loads."""
     motion: Motion | None = None
-    """What the spacecraft follows, whatever it takes."""
+    """Prescribed motion of the spacecraft."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -109,9 +109,9 @@ class Body(Table):
     place: Place | None = None
     """Where the origin of a body that no hinge line carries starts, offset in world axes; loops close from there."""
     motion: Motion | None = None
-    """What a placed body follows, rigid, whatever it takes."""
+    """Prescribed motion of a placed body, which is rigid."""
     like: Name | None = None
-    """Another body of the scene, whose keys are those of this one where it says nothing else."""
+    """Another body of the scene, whose keys apply unless set here."""
     catalogue: str | None = None
     """Entry of the catalogue, which the tables below change."""
     panel: dict[str, Any] | None = None
@@ -127,11 +127,11 @@ class Body(Table):
     rigid: RigidBody | None = None
     """A rigid body with points."""
     fidelity: Fidelity | None = None
-    """Its model unless the run says otherwise: flexible where it can bend, else rigid."""
+    """Model of the body unless chosen for the run; by default flexible if it can bend, else rigid."""
     fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
-    """Vibration modes kept with all attachment points held, beside six shapes a point."""
+    """Fixed-interface vibration modes, in addition to six shapes per attachment point."""
     second_order_modes: Annotated[int, Field(ge=0)] = 0
-    """So many of the lowest modes shorten what they bend, so that spin and loads stiffen it."""
+    """Number of lowest modes with second-order shortening, so that spin and loads stiffen the body."""
     inertia_coupling: CouplingLevel = "full"
     """How much of the change of inertia by deformation is kept."""
     damping_ratio: Annotated[Ratio, Field(le=1.0)] | None = None
@@ -139,7 +139,7 @@ class Body(Table):
     structural_damping: StructuralDamping | None = None
     """Damping in proportion to the frequency of a mode, in place of the scene's."""
     damping_scale: Ratio = 1.0
-    """Factor on the damping that there is."""
+    """Factor on the damping of the body."""
     modes_off: tuple[Annotated[int, Field(ge=0)], ...] = ()
     """Numbers of modes, from 0, that are left out."""
     frequencies_off: tuple[tuple[Frequency, Frequency], ...] = ()

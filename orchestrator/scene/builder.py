@@ -1,4 +1,4 @@
-"""Scenes made in code: what is built here is the tree of tables that a scene file holds, and nothing else."""
+"""Scenes built in code: the same tree of tables as in a scene file."""
 
 from __future__ import annotations
 
@@ -40,10 +40,9 @@ class Scene:
         panel = wing.body("panel", catalogue="workbench_panel")
         wing.hinge_line("HL", base, panel, axis="+y", aligned_angle="180 deg", hinges={...})
 
-    Methods that add a table take the keys of that table in scene files, plain numbers in SI units or texts such as
-    "90 deg", and return its name; a key that the table does not know, or cannot be, is a SceneError at once. What
-    tables say about each other is told by `check`, which every run does first. Variants and settings are laid over
-    the tables in the end, so what is added later is below them.
+    Methods that add a table accept its keys of scene files, as SI numbers or texts such as "90 deg", and return its
+    name. An unknown key or an invalid value raises a SceneError at once. `check`, which every run calls first, checks
+    the tables against each other. Variants and settings are applied last, over all tables.
     """
 
     def __init__(self, name: str, *, until: float | str, **header: object) -> None:
@@ -62,7 +61,7 @@ class Scene:
         settings: Mapping[str, object] | Sequence[Setting] = (),
         trust: bool = False,
     ) -> Self:
-        """A scene that comes with Fanfold, by its name, or a scene file; SceneError with all that is wrong with it.
+        """Read a built-in scene by its name, or a scene file; SceneError with every problem of it.
 
         trust: its plugins may run, now and until they change.
         """
@@ -93,44 +92,44 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """Its name, after which results are called."""
+        """Name of the scene, and of its results."""
         return str(self.tree["scene"]["name"])
 
     @property
     def tree(self) -> Tree:
-        """Its tables as a scene file holds them, variants and settings laid over them; a copy."""
+        """Tables as in a scene file, with variants and settings applied; a copy."""
         return deepcopy(self._layers.over(self._variants, self._settings)[0])
 
     @property
     def variants(self) -> tuple[str, ...]:
-        """Names of its variants; those laid over it are `chosen`."""
+        """Names of all variants; `chosen` are the applied ones."""
         return tuple(self._layers.variants)
 
     @property
     def chosen(self) -> tuple[str, ...]:
-        """Names of the variants laid over it, in order."""
+        """Names of the applied variants, in order."""
         return self._variants
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Names of its bodies."""
+        """Names of the bodies."""
         return _names(self.tree, "body")
 
     @property
     def hinge_lines(self) -> tuple[str, ...]:
-        """Names of its hinge lines."""
+        """Names of the hinge lines."""
         return _names(self.tree, "hinge_line")
 
     @property
     def runs(self) -> dict[str, Scene]:
-        """Scenes to run one after the other, by phase; itself under "" where it has no phases or one is chosen."""
+        """Scenes to run in order, by phase; the scene itself under "" if it has no phases, or one is chosen."""
         phases = self.tree["scene"].get("phases", [])
         if not phases or set(phases) & set(self._variants):
             return {"": self}
         return {phase: self.with_variants(phase) for phase in phases}
 
     def with_variants(self, *names: str) -> Self:
-        """The same with these variants over those it has; SceneError where it has no such variant."""
+        """Copy with further variants applied; SceneError if there is no such variant."""
         found = self.copy()
         found._variants = (*self._variants, *names)
         found._checked = None if names else self._checked
@@ -138,7 +137,7 @@ class Scene:
         return found
 
     def with_settings(self, settings: Mapping[str, object] | Sequence[Setting]) -> Self:
-        """The same with single values over it, such as {"friction.coefficient": 0.1, "hinge_line.HL.held": True}."""
+        """Copy with single values changed, such as {"friction.coefficient": 0.1, "hinge_line.HL.held": True}."""
         pairs = list(settings.items()) if isinstance(settings, Mapping) else settings
         found = self.copy()
         found._settings = (*self._settings, *(_plain_setting(self._layers.file, pair) for pair in pairs))
@@ -147,16 +146,16 @@ class Scene:
         return found
 
     def copy(self) -> Self:
-        """A scene of its own with the same tables."""
+        """Independent copy of the scene."""
         found = self.__class__.__new__(self.__class__)
         found.__dict__.update(self.__dict__)
         found._layers = deepcopy(self._layers)
         return found
 
     def base(self, name: str = "base", *, points: Mapping[str, object], **keys: object) -> str:
-        """The spacecraft, [base], with points (m) by name; free: its mass, center_of_mass and inertia if it moves.
+        """Set the spacecraft, [base], with points (m) by name; free: mass, center_of_mass and inertia of a moving base.
 
-        motion: laws that it follows, see `scene.body_tables.Motion`.
+        motion: prescribed motion laws, see `scene.body_tables.Motion`.
         """
         return self._set("base", Base, {"name": name, "points": points, **keys})
 
@@ -169,7 +168,7 @@ class Scene:
         return self._add("body", Body, {"name": name, **keys})
 
     def hinge_line(self, name: str, inboard: str, outboard: str, *, hinges: Hinges, **keys: object) -> str:
-        """Add a [[hinge_line]] between two bodies by name: axis, aligned_angle, and what turns, stops or holds it.
+        """Add a [[hinge_line]] between two bodies by name: axis, aligned_angle, motor, friction, latch, end stop.
 
         Further keys: stowed_angle, start_angle, latch_angle, held, motor, harness, friction_preload, presliding, latch,
         end_stop.
@@ -184,7 +183,7 @@ class Scene:
         return self._add("hinge_line", HingeLine, entry)
 
     def ccl(self, name: str, **keys: object) -> str:
-        """Add a closed cable loop, [[ccl]]: preload, strand_stiffness, pulley_1, pulley_2, and guide where it has one.
+        """Add a closed cable loop, [[ccl]]: preload, strand_stiffness, pulley_1, pulley_2, optional guide.
 
         Further keys: axis, strand_damping.
         """
@@ -197,9 +196,9 @@ class Scene:
     def connection(
         self, name: str, kind: str | None = None, *, ports: Mapping[str, object], **keys: object
     ) -> str:
-        """Add any registered component, [[connection]]: its ports as (body, point), or tables that have an offset too.
+        """Add any registered component, [[connection]]: ports as (body, point), or tables with an offset.
 
-        Further keys: structure, parameters, preset, which a hinge has and which needs no kind, axes.
+        Further keys: structure, parameters, preset (of a hinge; replaces kind), axes.
         """
         seats = {
             port: dict(zip(("body", "point"), seat, strict=True))
@@ -212,11 +211,11 @@ class Scene:
         return self._add("connection", Connection, {"name": name, **of_kind, "ports": seats, **keys})
 
     def fmu(self, name: str, file: str | Path, **keys: object) -> str:
-        """Add an FMU of another tool, [[fmu]], by its file: inputs and outputs as the table has them."""
+        """Add an FMU of another tool, [[fmu]], by its file, with its inputs and outputs."""
         return self._add("fmu", Fmu, {"name": name, "file": str(file), **keys})
 
     def event(self, name: str, **keys: object) -> str:
-        """Add what happens in mid-run, [[event]]: time or when, and what is done, release or set."""
+        """Add an event, [[event]]: time or condition (when), and its action: release, latch or set."""
         return self._add("event", Event, {"name": name, **keys})
 
     def joint(self, **keys: object) -> None:
@@ -234,12 +233,12 @@ class Scene:
         self._set("friction", Friction, keys)
 
     def structural_damping(self, ratio: float | str, reference_frequency: float | str) -> None:
-        """Set [structural_damping]: fraction of critical that a mode of the reference frequency (Hz) gets."""
+        """Set [structural_damping]: fraction of critical damping of a mode at the reference frequency (Hz)."""
         keys = {"ratio": ratio, "reference_frequency": reference_frequency}
         self._set("structural_damping", StructuralDamping, keys)
 
     def variant(self, name: str, layer: Mapping[str, object]) -> str:
-        """Add a [variant.NAME]: tables to lay over the others, arrays of named entries merging by name."""
+        """Add a [variant.NAME]: tables applied over the others; arrays of named entries merge by name."""
         self._checked = None
         self._layers = Layers(
             self._layers.file,
@@ -250,7 +249,7 @@ class Scene:
         return name
 
     def check(self) -> CheckedScene:
-        """Its records; SceneError with everything that is wrong with it."""
+        """Checked records of the scene; SceneError with every problem of it."""
         if self._checked is None:
             layers = deepcopy(self._layers)  # what is added later must not get into the records
             self._checked = check_layers(
@@ -261,11 +260,11 @@ class Scene:
         return self._checked
 
     def variant_problems(self) -> list[str]:
-        """What is wrong with each of its variants when it alone is chosen, as sentences."""
+        """Problems of each variant when it alone is applied, as sentences."""
         return variant_problems(self._layers, sorted(self._accepted))
 
     def check_one_run(self) -> CheckedScene:
-        """Its records; SceneError as well where it runs in phases and none of them is chosen."""
+        """Checked records of the scene; SceneError also if it runs in phases and none is chosen."""
         runs = self.runs
         if len(runs) > 1 or "" not in runs:
             raise SceneError(
@@ -274,10 +273,7 @@ class Scene:
         return self.check()
 
     def to_toml(self) -> str:
-        """The text of its scene file, with its variants.
-
-        Where variants or settings are laid over it, the outcome alone: others were meant for the scene below.
-        """
+        """Text of the scene file, with its variants; applied variants and settings are merged into it."""
         tree = self.tree
         if self._variants or self._settings:
             tree["scene"].pop("phases", None)
@@ -286,7 +282,7 @@ class Scene:
         return tomli_w.dumps(tree)
 
     def save(self, path: str | Path) -> Path:
-        """Write its scene file, replacing what is there, and return the path."""
+        """Write the scene file, replacing an earlier one, and return its path."""
         path = Path(path)
         path.write_text(self.to_toml(), encoding="utf-8")
         return path
@@ -330,7 +326,7 @@ class Scene:
 
 
 def listed(names: Names) -> tuple[str, ...]:
-    """Names in their order; SceneError where they are none."""
+    """Names in order; SceneError if they are no names."""
     if not isinstance(names, Iterable):
         raise SceneError([f"{names!r} is no name, and no list of names"])
     return (names,) if isinstance(names, str) else tuple(names)

@@ -155,9 +155,9 @@ def impossible_loops(
         if dot(axis, other) < _PARALLEL:
             apart = degrees(acos(max(-1.0, dot(axis, other))))
             yield (
-                f"ccl.{loop.name}.axis: when stowed, the axes of its pulleys are {apart:.3g} deg apart, as "
-                f"{loop.pulley_2.body} lies so beside {loop.pulley_1.body}; axis is that of the lines between them, in "
-                "the axes of both bodies"
+                f"ccl.{loop.name}.axis: when stowed, the axes of its pulleys on {loop.pulley_1.body} and "
+                f"{loop.pulley_2.body} are {apart:.3g} deg apart; set the axis of the lines between them, in the axes "
+                "of both bodies"
             )
             continue
         first, second = (

@@ -94,7 +94,7 @@ class Hinge(Table):
     outboard: str
     """Point of the line's outboard body."""
     kind: HingeKind = "revolute"
-    """What it holds: a cylindrical one is free along the line, a spherical one about all axes."""
+    """Kind of joint: a cylindrical hinge is free along the line, a spherical one about all axes."""
     translational_stiffness: Stiffnesses | None = None
     """Along the line and the two axes across, in place of those of [joint]."""
     rotational_stiffness: TurningStiffnesses | None = None
@@ -311,8 +311,8 @@ class Presliding(Table):
 class EndStop(Table):
     """End stop of a line, the total of its hinges: from an angle on, by default the deployed angle, it pushes back.
 
-    A torque beside each of its hinges, linear in the angle and with damping that never pulls. A line latches before it
-    reaches a stop beyond its latch angle.
+    A torque in parallel with each of its hinges, linear in the angle, with damping that never pulls. A line latches
+    before it reaches a stop beyond its latch angle.
     """
 
     angle: Angle | None = None
@@ -345,19 +345,19 @@ class HingeLine(Table):
     latch_angle: Angle | None = None
     """Hinge angle at which it latches; by default the aligned angle."""
     held: bool = False
-    """Whether it does not move: what it joins is one rigid piece."""
+    """Whether the line is fixed: the bodies that it joins are one rigid group."""
     motor: Motor | None = None
-    """What opens it, the total of its hinges."""
+    """Motor that opens the line, total of its hinges."""
     harness: Harness | None = None
-    """What resists it, the total of the hinges that carry it."""
+    """Harness that resists opening, total of the hinges that carry it."""
     friction_preload: FrictionTorque = 0.0
     """Friction torque at any load, the total of its hinges, until latch-up."""
     presliding: Presliding | None = None
     """Elastic deflection before its friction breaks away."""
     latch: Latch | None = None
-    """What ends the motion by holding the line."""
+    """Latch that holds the line at the end of its travel."""
     end_stop: EndStop | None = None
-    """What ends the motion by pushing back."""
+    """End stop that limits the travel."""
     hinges: tuple[Hinge, ...]
     """Hinges between the two bodies."""
 
@@ -380,7 +380,7 @@ class HingeLine(Table):
 
     @property
     def has_friction(self) -> bool:
-        """Whether it has friction, or hysteresis, beside the friction of its pins."""
+        """Whether it has friction, or hysteresis, in addition to the friction of its pins."""
         loops = (table.loop for table in (self.motor, self.harness) if table is not None)
         return self.friction_preload > 0.0 or any(any(loop.half) for loop in loops if loop is not None)
 

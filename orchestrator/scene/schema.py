@@ -29,7 +29,7 @@ class Header(Table):
     name: SceneName
     """Name of the scene, which names its result too."""
     description: str = ""
-    """A line for people, shown by `fanfold list`."""
+    """One line of description, printed by `fanfold list`."""
     until: Duration
     """Time at which a run ends."""
     tolerance: Annotated[PositiveRatio, Field(ge=TOLERANCES[0], le=TOLERANCES[1])] = 1e-4

@@ -1,1 +1,1 @@
-"""Whether a scene is plausible, and a run within the validity of its models: warnings, a module for each subject."""
+"""Plausibility of scenes, and limits of validity of models: warnings, one module per subject."""

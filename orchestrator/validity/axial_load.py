@@ -1,4 +1,4 @@
-"""Beams whose modes are of first order, pressed by their joints so far that they would bend out, or nearly."""
+"""Beams with first-order modes whose joints compress them with a large part of Euler's load."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Rows = NDArray[np.float64]
 
 
 def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each modal beam of first order that a joint pressed by 2 % of Euler's load, or more."""
+    """A sentence for each modal beam of first order that a joint compresses with 2 % of Euler's load or more."""
     beams = [body for body in scene.bodies if not body.second_order_modes and has_beam(body)]
     parts = {part.name: part for part in assembly.parts}
     for body in beams:
@@ -48,9 +48,9 @@ def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result)
         row = int(pressed[joint].argmax())
         most = float(pressed[joint][row])
         yield (
-            f"{body.name}: {joint} presses it by {most:.4g} N along it, at {result.time[row]:.4g} s, "
-            f"{most / critical:.2g} of Euler's load between pinned ends ({critical:.4g} N), which takes as much of its "
-            "stiffness; its modes are of first order and keep all of it; give it second_order_modes"
+            f"{body.name}: {joint} compresses it with {most:.4g} N at {result.time[row]:.4g} s, "
+            f"{100.0 * most / critical:.2g} % of Euler's load between pinned ends ({critical:.4g} N), and its "
+            "first-order modes keep their full stiffness. Set second_order_modes."
         )
 
 
@@ -69,9 +69,9 @@ def _pressed(
     middle: Rows,
     result: Result,
 ) -> Rows:
-    """Forces (rows,) of a joint on a body, from where it is (3,) towards the middle of what holds the body (3,).
+    """Forces (rows,) of a joint on a body, from its position (3,) towards the middle (3,) of the points that hold it.
 
-    Zeros on a ground that moves, whose attitude no result has.
+    Zeros on a moving ground, whose attitude results do not contain.
     """
     sides = {link.connection[1]: link.body for link in assembly.links if link.connection[0] == joint}
     inboard, force = parts[sides["inboard"][0]], np.asarray(result.signal(joint, "hinge_force"))

@@ -1,4 +1,4 @@
-"""What a consistent scene says that is hardly meant: sentences to be told before it is run."""
+"""Warnings about probable mistakes in a scene, before it is run."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ _MOST_STEPS = 1e6
 """Of a run, that take minutes at the least."""
 
 
-def doubts(scene: CheckedScene) -> list[str]:
-    """Everything about a scene that is hardly meant, as sentences with their keys."""
+def scene_warnings(scene: CheckedScene) -> list[str]:
+    """All warnings about a scene, with their keys."""
     kinds = (_many_steps, line_warnings, idle_part_warnings, loop_warnings, start_warnings, body_warnings)
     return [sentence for of in kinds for sentence in of(scene)]
 
 
 def warnings_before_run(scene: CheckedScene, assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
-    """The same, and what is hardly meant of it as assembled with these bodies flexible."""
-    yield from doubts(scene)
+    """All warnings about a scene, and about its assembly with these bodies flexible."""
+    yield from scene_warnings(scene)
     yield from signal_fmu_warnings(assembly, scene)
     yield from coded("W-latch-curve", unfollowed_curves(scene, bending))
     yield from coded("W-rigid-twin", unlike_rigid_models(scene, bending))
 
 
 def _many_steps(scene: CheckedScene) -> Iterator[str]:
-    """Runs that are long beside the largest step that the scene allows."""
+    """Runs with very many steps by the largest step that the scene allows."""
     steps = scene.header.until / scene.header.largest_step
     if steps > _MOST_STEPS:
         yield message(
             "W-steps",
-            f"scene.largest_step: is {scene.header.largest_step:g} s, with which {scene.header.until:g} s take "
-            f"{steps:.2g} steps at the least; give a larger one, which the tolerance keeps to where motion is slow",
+            f"scene.largest_step: {scene.header.largest_step:g} s needs at least {steps:.2g} steps for "
+            f"{scene.header.until:g} s. Increase it; the tolerance still keeps steps short where motion is fast.",
         )

@@ -1,4 +1,4 @@
-"""What bodies say that is hardly meant: masses, inertias and sections in other units."""
+"""Masses, inertias and sections of bodies that suggest other units."""
 
 from __future__ import annotations
 
@@ -51,19 +51,19 @@ def body_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def unlike_rigid_models(scene: CheckedScene, bending: Collection[str]) -> Iterator[str]:
-    """Flexible bodies whose rigid twin, by which lines are sized and damped, has another mass."""
+    """Flexible bodies whose rigid twin, which latch inertias follow from, has another mass."""
     for body in scene.bodies:
         if body.name in bending and body.rigid_twin:
             twin, own = (body_model(body, flexible).mass for flexible in (False, True))
             if abs(twin - own) > _UNLIKE * own:
                 yield (
-                    f"body.{body.name}: its rigid twin has {twin:.4g} kg, and the flexible body {own:.4g} kg; "
-                    "effective inertias, and the damping of latches by them, are those of the twin"
+                    f"body.{body.name}: the rigid twin has {twin:.4g} kg, the flexible body {own:.4g} kg, and "
+                    "latch inertias follow from the twin. Give both the same mass."
                 )
 
 
 def _large_inertias(scene: CheckedScene) -> Iterator[str]:
-    """Rigid bodies whose inertia is that of something far larger than their points; the spacecraft among them."""
+    """Rigid bodies, the spacecraft included, whose inertia is too large for their points."""
     for body in scene.bodies:
         if body.rigid is not None:
             yield from _large_inertia(f"body.{body.name}.rigid", body.rigid, list(body.rigid.points.values()))
@@ -76,19 +76,19 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
     reach = max((norm(subtract(point, inertial.center_of_mass)) for point in points), default=0.0)
     if reach and gyration > _BEYOND_POINTS * reach:
         yield (
-            f"{key}: its radius of gyration is {gyration:.3g} m, and no point of it is farther than {reach:.3g} m from "
-            "its centre of mass; check the units of mass, inertia and points"
+            f"{key}: the radius of gyration is {gyration:.3g} m, but all points are within {reach:.3g} m of the "
+            "centre of mass. Check the units of mass, inertia and points."
         )
     nearest = min((norm(subtract(point, inertial.center_of_mass)) for point in points), default=0.0)
     if nearest > _FAR_CENTER * max(gyration, _SMALL):
         yield (
-            f"{key}: its centre of mass is {nearest:.3g} m from all of its points, and its radius of gyration is "
-            f"{gyration:.3g} m; check the units of center_of_mass and points"
+            f"{key}: the centre of mass is {nearest:.3g} m from all points, but the radius of gyration is "
+            f"{gyration:.3g} m. Check the units of center_of_mass and points."
         )
 
 
 def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
-    """Panels that are no plates, denser or lighter than any material, or slack, by what their stiffnesses tell."""
+    """Panels too thick for plate theory, denser or lighter than any material, or too soft, by their stiffnesses."""
     for body in scene.bodies:
         panel = panel_of(body)
         if panel is None:
@@ -97,45 +97,45 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
         thickness = float(np.sqrt(12.0 * plate.bending[0] / plate.membrane[0]))
         side = min(plate.length, plate.width)
         density = plate.areal_mass / thickness
-        like = f"its stiffness is that of a plate of {1e3 * thickness:.3g} mm"
+        like = f"its stiffness is that of a {1e3 * thickness:.3g} mm plate"
         if thickness > _THICK * side:
             yield (
-                f"{key}: {like}, and it is {side:.3g} m wide: plate theory does not hold for it; check the "
-                "units of its thickness or stiffness"
+                f"{key}: {like}, which is too thick for plate theory at a width of {side:.3g} m. Check the units "
+                "of its thickness or stiffness."
             )
         elif density < _LIGHTEST:
             yield (
-                f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, lighter than any foam; "
-                "check the unit of areal_mass"
+                f"{key}: {like}, so {plate.areal_mass:g} kg/m2 means {density:.3g} kg/m3, lighter than any foam. "
+                "Check the unit of areal_mass."
             )
         if density > _DENSEST:
             yield (
-                f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, denser than any "
-                "material; check the units of areal_mass and of thickness"
+                f"{key}: {like}, so {plate.areal_mass:g} kg/m2 means {density:.3g} kg/m3, denser than any "
+                "material. Check the units of areal_mass and thickness."
             )
         if plate.prestress == 0.0 and _LIGHTEST <= density <= _DENSEST:
             yield from _unlike_stiffness(key, plate)
 
 
 def _unlike_stiffness(key: str, plate: Plate) -> Iterator[str]:
-    """Plates without tension that hang like a cloth, or whose stiffness is no material's."""
+    """Plates without tension that are as soft as a cloth, or whose stiffness is that of no material."""
     first = _first_bending(min(plate.bending[:2]), plate.areal_mass, max(plate.length, plate.width))
     speed = float(np.sqrt(plate.membrane[0] / plate.areal_mass))
     if first < _SLACK:
         yield (
-            f"{key}: free, it would bend at {first:.2g} Hz, as a cloth does; check the units of youngs_modulus, or of "
-            "bending"
+            f"{key}: the first bending frequency of the free panel is {first:.2g} Hz, that of a cloth. Check the "
+            "units of youngs_modulus or bending."
         )
     elif not _SOUND[0] < speed < _SOUND[1]:
         yield (
-            f"{key}: sound in its plane would run at {speed:.3g} m/s, "
-            f"{'slower than in cork' if speed < _SOUND[0] else 'faster than in diamond'}; check the units of "
-            "youngs_modulus or membrane, and of areal_mass"
+            f"{key}: stiffness over mass is that of no material (speed of sound {speed:.3g} m/s, "
+            f"{'below cork' if speed < _SOUND[0] else 'above diamond'}). Check the units of youngs_modulus or "
+            "membrane, and of areal_mass."
         )
 
 
 def _coarse_membranes(scene: CheckedScene) -> Iterator[str]:
-    """Membranes whose elements are longer than what bends beside a held rim, of the length sqrt(D / T)."""
+    """Membranes with elements longer than the bending length sqrt(D / T) near a held rim."""
     for body in scene.bodies:
         panel = panel_of(body)
         if panel is None or panel.plate.prestress <= 0.0 or body.default_fidelity != "flexible":
@@ -144,9 +144,9 @@ def _coarse_membranes(scene: CheckedScene) -> Iterator[str]:
         rise = _CLAMPED * panel.element_size / min(panel.plate.length, panel.plate.width)
         if rise > _COARSE and panel.element_size > bent:
             yield (
-                f"body.{body.name}: beside a held rim tension lets it bend within {1e3 * bent:.2g} mm, and elements of "
-                f"{1e3 * panel.element_size:g} mm bend as a whole, so that frequencies of a membrane held all round "
-                f"are about {100.0 * rise:.1g} % high; give a smaller element_size"
+                f"body.{body.name}: elements of {1e3 * panel.element_size:g} mm are longer than the "
+                f"{1e3 * bent:.2g} mm over which the membrane bends near a held rim, so frequencies with all rims "
+                f"held are about {100.0 * rise:.1g} % too high. Choose a smaller element_size."
             )
 
 
@@ -156,7 +156,7 @@ def _first_bending(bending: float, mass: float, length: float) -> float:
 
 
 def _unlikely_beams(scene: CheckedScene) -> Iterator[str]:
-    """Beams that are as thick as long, or bend like a rope, by what their stiffnesses tell."""
+    """Beams too thick for beam theory, or as soft as a rope, by their stiffnesses."""
     for body in scene.bodies:
         beam = None if body.beam is None else body_definition(body).beam
         if beam is None:
@@ -165,15 +165,15 @@ def _unlikely_beams(scene: CheckedScene) -> Iterator[str]:
         thickness = float(np.sqrt(12.0 * max(section.bending_y, section.bending_z) / section.axial))
         if thickness > _STUBBY * length:
             yield (
-                f"{key}: its stiffness is that of a bar of {thickness:.3g} m, and it is {length:.3g} m long: beam "
-                "theory does not hold for it; check the units of its section"
+                f"{key}: its stiffness is that of a bar {thickness:.3g} m thick, which is too thick for beam "
+                f"theory at a length of {length:.3g} m. Check the units of its section."
             )
         bending = min(section.bending_y, section.bending_z)
         first = _first_bending(bending, section.line_mass, length)
         if first < _SLACK:
             yield (
-                f"{key}: free, it would bend at {first:.2g} Hz, as a rope does; check the units of its section and of "
-                "youngs_modulus"
+                f"{key}: the first bending frequency of the free beam is {first:.2g} Hz, that of a rope. Check the "
+                "units of its section and of youngs_modulus."
             )
 
 

@@ -1,4 +1,4 @@
-"""What cable loops say that is hardly meant: radii and axes that do not fit the lines between their pulleys."""
+"""Cable loops whose radii, axes or stiffness do not fit the lines between their pulleys."""
 
 from __future__ import annotations
 
@@ -27,28 +27,28 @@ def loop_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _stiffest(scene: CheckedScene) -> Iterator[str]:
-    """Strands that no cable is as stiff as; steps follow what rings on them."""
+    """Strands stiffer than any cable, whose vibrations need small steps."""
     for loop in scene.loops:
         if loop.strand_stiffness > _STIFFEST:
             yield (
-                f"ccl.{loop.name}.strand_stiffness: is {loop.strand_stiffness:g} N/m, and a metre of 1 cm2 of steel "
-                "has 2e7 N/m; check the unit, as steps follow what rings on it"
+                f"ccl.{loop.name}.strand_stiffness: {loop.strand_stiffness:g} N/m is stiffer than any cable; 1 m "
+                "of steel with 1 cm2 has 2e7 N/m. Check the unit."
             )
 
 
 class Travels(NamedTuple):
-    """Turns (rad) of both pulleys of a loop against the body between them, from the start until all is deployed."""
+    """Rotations (rad) of both pulleys of a loop relative to the body between them, until full deployment."""
 
     first: float
     second: float
 
     def mismatch(self, loop: Ccl) -> float:
-        """Cable (m) that one pulley takes up and the other does not give."""
+        """Difference (m) of the cable lengths that the two pulleys wind up and release."""
         return abs(loop.pulley_1.radius * self.first - loop.pulley_2.radius * self.second)
 
 
 def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
-    """The travels that a loop joins; None where no single body is between its pulleys."""
+    """The travels that a loop couples; None if no single body is between its pulleys."""
     bodies = loop.pulley_1.body, loop.pulley_2.body
     carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
     if carrier is None:
@@ -58,42 +58,42 @@ def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
 
 
 def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
-    """Turn (rad) of a body about an axis from the start until all lines are deployed."""
+    """Rotation (rad) of a body about an axis from the start until all lines are deployed."""
     lines = [line for line in scene.lines_inward(body) if not line.held]
     return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
 
 
 def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
-    """Loops whose radii do not fit the travels they join, so that a strand goes slack on the way."""
+    """Loops whose radii do not fit their travels, so that a strand goes slack."""
     for loop in scene.loops:
         travels = loop_travels(scene, loop)
         if travels is None or travels.mismatch(loop) * loop.strand_stiffness <= loop.preload:
             continue
         first, second = (abs(degrees(turn)) for turn in travels)
         r1, r2, left = 1e3 * loop.pulley_1.radius, 1e3 * loop.pulley_2.radius, travels.mismatch(loop)
-        fit = f"; the radii would fit as {second:g} to {first:g}" if first and second else ""
+        fit = f" Radii in the ratio {second:g} to {first:g} would fit." if first and second else ""
         if travels.first * travels.second < 0.0:
-            fit = "; they turn in opposite senses against the body between them: check the axes of the lines"
+            fit = " The pulleys turn in opposite senses: check the axes of the lines."
         yield (
-            f"ccl.{loop.name}: its pulleys do not fit the travels that they join: {r1:g} mm by {first:g} deg against "
-            f"{r2:g} mm by {second:g} deg, which stretches a strand by up to {1e3 * left:.3g} mm, "
-            f"{left * loop.strand_stiffness:.3g} N beside its preload of {loop.preload:g} N{fit}"
+            f"ccl.{loop.name}: its pulley radii do not fit the travels of the lines: {r1:g} mm by {first:g} deg "
+            f"and {r2:g} mm by {second:g} deg stretch a strand by {1e3 * left:.3g} mm, "
+            f"{left * loop.strand_stiffness:.3g} N at a preload of {loop.preload:g} N.{fit}"
         )
 
 
 def _askew_loops(scene: CheckedScene) -> Iterator[str]:
-    """Cable loops whose pulleys turn about another axis than the lines between them."""
+    """Cable loops whose axis is not parallel to that of the lines between their pulleys."""
     for loop in scene.loops:
         ways = [list(scene.lines_inward(pulley.body)) for pulley in (loop.pulley_1, loop.pulley_2)]
         between = [line for way, other in (ways, ways[::-1]) for line in way if line not in other]
         askew = [line for line in between if norm(cross(loop.axis, line.axis)) > _ASKEW]
         if askew:
             yield (
-                f"ccl.{loop.name}.axis: its pulleys turn about {_plain(loop.axis)}, and {askew[0].name} opens about "
-                f"{_plain(askew[0].axis)}; a loop leads what its lines do where its axis is theirs"
+                f"ccl.{loop.name}.axis: the axis of the pulleys, {_plain(loop.axis)}, is not parallel to that of "
+                f"{askew[0].name}, {_plain(askew[0].axis)}. Give the loop the axis of its lines."
             )
 
 
 def _plain(axis: Vector3) -> str:
-    """As people write it."""
+    """Text of an axis."""
     return "(" + ", ".join(f"{x:.4g}" for x in axis) + ")"

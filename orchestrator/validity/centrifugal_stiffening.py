@@ -1,4 +1,4 @@
-"""Flexible bodies of first order on what spins, whose tension stiffens nothing."""
+"""Spinning flexible bodies of first order, which tension does not stiffen."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FELT = 0.1
 
 
 def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
-    """A sentence for each flexible body without modes of second order that a motion law of the scene spins so fast.
+    """A sentence for each flexible body without second-order modes that a motion law spins fast.
 
     until: s; by default the end of the scene.
     """
@@ -29,9 +29,9 @@ def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | No
 def unstiffened_rates(
     scene: CheckedScene, assembly: Assembly, rates: Mapping[str, float], how: str = "up to"
 ) -> Iterator[str]:
-    """A sentence for each flexible body without modes of second order that spins so fast.
+    """A sentence for each flexible body without second-order modes that spins fast.
 
-    rates: of bodies by name, rad/s. how: what these are.
+    rates: of bodies by name, rad/s. how: words for these rates.
     """
     first_order = {body.name for body in scene.bodies if not body.second_order_modes}
     for part in assembly.parts:
@@ -40,7 +40,7 @@ def unstiffened_rates(
         frequencies, rate = np.asarray(part.structure["modal"]["frequency"]), rates.get(part.name, 0.0)
         if frequencies.size and rate > _FELT * frequencies.min():
             yield (
-                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, beside a first free mode at "
-                f"{frequencies.min():.3g} rad/s, and its modes are of first order, which tension does not stiffen: "
-                "frequencies and deflections in spin are off; give it second_order_modes"
+                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s with a first free mode at "
+                f"{frequencies.min():.3g} rad/s, and first-order modes do not stiffen under tension. Set "
+                "second_order_modes."
             )

@@ -1,4 +1,4 @@
-"""Trolleys that creep where friction should hold them, as that of their rail is chosen to be smooth at rest."""
+"""Trolleys that creep although friction should hold them, because the friction of their rail is smooth at rest."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _FELT = 0.01
 
 
 def creep_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each rail whose trolley slides steadily, at the end, below the speed of full friction."""
+    """A sentence for each rail whose trolley slides steadily at the end, below the speed of full friction."""
     late = result.time >= _LATE * result.time[-1]
     for rail in (part for part in assembly.parts if part.kind == Rail.kind):
         smooth = _start(rail, "friction_force") > 0.0 and _start(rail, "breakaway_deflection") == 0.0
@@ -30,9 +30,9 @@ def creep_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
         speed = result.signal(rail.name, "sliding_speed")[late]
         if _FELT * full < speed.min() and speed.max() < min(full, (1.0 + _STEADY) * speed.min()):
             yield (
-                f"{rail.name}: its trolley creeps at {1e3 * speed[-1]:.3g} mm/s at the end, where friction would hold "
-                f"it: without breakaway_deflection, friction below stiction_velocity ({1e3 * full:g} mm/s) is less "
-                "than its full force; with one it sticks, and a smaller stiction_velocity creeps less"
+                f"{rail.name}: its trolley creeps at {1e3 * speed[-1]:.3g} mm/s at the end, because friction is "
+                f"below its full force at speeds below stiction_velocity ({1e3 * full:g} mm/s). Set "
+                "breakaway_deflection, or a smaller stiction_velocity."
             )
 
 

@@ -1,4 +1,4 @@
-"""How much of a mode hangs on joints whose stiffness a scene does not state."""
+"""Dependence of modes on joints whose stiffness a scene does not state."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NAMED = 3
 
 
 def default_joint_warnings(scene: CheckedScene, model: LinearModel, modes: NormalModes) -> Iterator[str]:
-    """A sentence for the mode of the first ones that joints stiff by default bend most, where that is a tenth."""
+    """A sentence for the first mode that depends most on default joint stiffness, if that is above a tenth."""
     if np.iscomplexobj(modes.shapes):
         return
     first = np.flatnonzero(~modes.is_free & (modes.eigenvalues > 0.0))[:_MODES]
@@ -42,8 +42,8 @@ def default_joint_warnings(scene: CheckedScene, model: LinearModel, modes: Norma
     several = ", ".join(names[:_NAMED]) + (" and others" if len(names) > _NAMED else "")
     mode = f"mode {first[k] + 1} ({modes.frequencies[first[k]]:.4g} Hz)"
     yield (
-        f"{scene.header.name}: {whole[k]:.0%} of the strain energy of {mode} is in joints that are as stiff as [joint] "
-        f"has them by default ({several}); state their stiffness, as the frequency hangs on it"
+        f"{scene.header.name}: {mode} depends on default joint stiffness ({whole[k]:.0%} of its strain energy, in "
+        f"{several}). Enter measured values in [joint]."
     )
 
 

@@ -1,4 +1,4 @@
-"""Events of a scene that have not happened in a run, or did nothing when they did."""
+"""Events of a scene that did not happen in a run, or had no effect."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LATCH_ANGLE = "latch_angle"
 
 
 def event_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence each: why an event has not happened, or that what it acts on had latched or was released before."""
+    """A sentence for each event that did not happen, or whose target had latched or was released before."""
     happened = {name: time for time, name, _ in result.events}
     latched = latch_times(result)
     for event in assembly.events:
@@ -28,26 +28,30 @@ def event_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
 
 
 def _absent(event: Event, result: Result) -> str:
-    """That it has not happened, and how far its condition was from holding."""
+    """Why it did not happen, and how far its condition was from being met."""
     if (condition := event.condition) is None:
-        return f"event {event.name} has not happened: it comes at {event.time:g} s, when the run has ended"
+        return (
+            f"event {event.name} did not happen: its time, {event.time:g} s, is after the end of the run. Run "
+            "longer, or move the event."
+        )
     values = result.signal(condition.part, condition.variable).reshape(result.time.size, -1)
     variable = f"{condition.part}.{condition.variable}"
     unit, size = shown(result.unit(condition.part, condition.variable))
     seen = size * values[:, condition.index]
     return (
-        f"event {event.name} has not happened: it waits for {variable} {'above' if condition.rising else 'below'} "
-        f"{size * condition.value:.6g} {unit}, which goes from {seen.min():.6g} to {seen.max():.6g} {unit}"
+        f"event {event.name} did not happen: its condition is {variable} "
+        f"{'above' if condition.rising else 'below'} {size * condition.value:.6g} {unit}, and the run has "
+        f"{seen.min():.6g} to {seen.max():.6g} {unit}."
     )
 
 
 def _without_effect(event: Event, at: float, latched: Mapping[str, float]) -> Iterator[str]:
-    """Lines that an event at a time (s) was to latch and could not, by when lines latched (s)."""
+    """Lines that an event at a time (s) should latch and could not, by the times (s) at which lines latched."""
     for line in event.latches:
         if line not in latched:
-            yield f"event {event.name}: {line} was not latched, as its hinges had been released"
+            yield f"event {event.name} did not latch {line}: its hinges were released before."
         elif latched[line] < at - EVENT_WIDTH:
-            yield f"event {event.name}: {line} had latched at {latched[line]:.6g} s already, so it was not latched then"
+            yield f"event {event.name} did not latch {line}: it had latched before, at {latched[line]:.6g} s."
 
 
 def _latches_left_behind(
@@ -65,14 +69,14 @@ def _latches_left_behind(
             continue
         if latched.get(line.name, at) < at - EVENT_WIDTH:
             yield (
-                f"event {event.name}: {line.name} had latched at {latched[line.name]:.6g} s, where it stays; "
-                f"{_LATCH_ANGLE} says where a latch engages, which does nothing afterwards"
+                f"event {event.name}: a new {_LATCH_ANGLE} has no effect on {line.name}, which had latched at "
+                f"{latched[line.name]:.6g} s."
             )
         elif line.name not in latched and angle < (now := _angle_at(result, line.sensor, at)):
             yield (
-                f"event {event.name}: {line.name} was at {degrees(now):.2f} deg, beyond the {_LATCH_ANGLE} of "
-                f"{degrees(angle):.2f} deg that it got then, where it would only latch after coming back; "
-                "latch_command = 1 latches it where it stands"
+                f"event {event.name}: {line.name} was at {degrees(now):.2f} deg, already beyond its new "
+                f"{_LATCH_ANGLE} of {degrees(angle):.2f} deg, so it did not latch. Set latch_command = 1 to latch "
+                "it at its angle."
             )
 
 

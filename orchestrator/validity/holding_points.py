@@ -1,4 +1,4 @@
-"""What holds a modal body, and where."""
+"""Points where joints hold a modal body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts of a scene that would do nothing, or only when the run has ended."""
+"""Parts of a scene without effect, or only after the end of the run."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ def idle_part_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _without_load(scene: CheckedScene) -> Iterator[str]:
-    """Loads that have no law, and that nothing sets in mid-run."""
+    """Loads without a law that nothing sets during the run."""
     outputs = [target for fmu in scene.fmus for name in fmu.outputs for target in fmu.targets(name)]
     driven = {target.partition(".")[0] for target in outputs}.union(*(event.set for event in scene.events))
     for one in scene.connections:
         is_empty = not any((one.structure.get("force"), one.structure.get("torque"), one.parameters))
         if one.kind == "load" and is_empty and one.name not in driven:
             yield (
-                f"connection.{one.name}: it has neither a force nor a torque, and no event or FMU sets added_force or "
-                "added_torque, so it does nothing"
+                f"connection.{one.name}: this load has no force and no torque, and no event or FMU sets "
+                "added_force or added_torque. Set one of them, or remove the load."
             )
 
 
@@ -36,17 +36,17 @@ def _never_stepped(scene: CheckedScene) -> Iterator[str]:
     for one in scene.fmus:
         if one.step is not None and one.step > scene.header.until:
             yield (
-                f"fmu.{one.name}: its step of {one.step:g} s is longer than the run of {scene.header.until:g} s, so it "
-                "never makes one"
+                f"fmu.{one.name}: its step of {one.step:g} s is longer than the run of {scene.header.until:g} s. "
+                "Check the unit of step."
             )
 
 
 def _released_too_late(scene: CheckedScene) -> Iterator[str]:
-    """Hold-downs that would let go after the run has ended."""
+    """Hold-downs that are released after the end of the run."""
     for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
         release = first_number(bolt, "release_time")
         if release > scene.header.until:
             yield (
-                f"connection.{bolt.name}: its release_time of {release:g} s comes after the run has ended, at "
-                f"{scene.header.until:g} s"
+                f"connection.{bolt.name}: its release_time of {release:g} s is after the end of the run at "
+                f"{scene.header.until:g} s. Release it earlier, or run longer."
             )

@@ -1,4 +1,4 @@
-"""Bodies that went beyond their theory: flat ones without stretching, and any that modes turn far or that spin."""
+"""Bodies beyond the range of their theory: linear plates, large rotations by modes, spin."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _mean_rate(result: Result, body: str) -> float:
 
 
 def _turned_bodies(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each body whose modes turned its points against one another by more than they can follow."""
+    """A sentence for each body whose modes rotated its points relative to one another beyond their range."""
     bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
         if part.name not in assembly.flexible:
@@ -77,13 +77,12 @@ def _turned_bodies(scene: CheckedScene, assembly: Assembly, result: Result) -> I
         turn = _largest_turn(part, result)
         if turn.angle <= (_SECOND_ORDER_TURN if np.size(modal["second_order_points"]) else _TURN):
             continue
-        remedy = "compare with fewer loads, or with the body in several pieces"
+        remedy = "Compare with smaller loads, or model the body in several pieces."
         if part.name in bodies and has_beam(bodies[part.name]):
-            remedy = f"compare with --large-deformation {part.name}"
+            remedy = f"Compare with --large-deformation {part.name}."
         yield (
-            f"{part.name} bent by {np.degrees(turn.angle):.3g} deg between its points {modal['point_names'][0]} and "
-            f"{turn.point}, at {turn.time:.4g} s, which is more than its modes are made for: they are for small "
-            f"deformation, and loads along it and places of its ends may be far off; {remedy}"
+            f"{part.name} bent by {np.degrees(turn.angle):.3g} deg between its points {modal['point_names'][0]} "
+            f"and {turn.point} at {turn.time:.4g} s, beyond the small deformation of its modes. {remedy}"
         )
 
 
@@ -137,7 +136,7 @@ def _linear_panel(body: Body | None) -> Panel | None:
 
 
 def _largest_bend(assembly: Assembly, part: Part, panel: Panel, result: Result) -> _Bend | None:
-    """None where what holds the body surrounds nothing of it: it then bends without stretching."""
+    """Largest deflection between the points that hold a body; None if they enclose no part of it."""
     from scipy.spatial import Delaunay  # which takes a while to load, and few scenes need
 
     modal, shown = part.structure["modal"], assembly.geometry.get(part.name)

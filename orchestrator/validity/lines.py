@@ -1,4 +1,4 @@
-"""What hinge lines say that is hardly meant: what opens them, resists them and ends their motion."""
+"""Probable mistakes in hinge lines: motors, resistances, latches, stops."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def line_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:
-    """Lines that a motor opens and nothing ends, nor a stop that is a connection between their bodies."""
+    """Lines that a motor opens, without a latch or a stop, also none that is a connection between their bodies."""
     stopped = [
         {seat.body for seat in one.ports.values()} for one in scene.connections if one.kind == EndStop.kind
     ]
@@ -62,62 +62,63 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
         ends = line.latch is not None or line.end_stop is not None or line.held
         if line.motor is not None and not ends and {line.inboard, line.outboard} not in stopped:
             yield (
-                f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
-                f"keeps it at {degrees(line.deployed_angle):g} deg"
+                f"hinge_line.{line.name}: a motor opens it, but no latch or end stop ends its travel at "
+                f"{degrees(line.deployed_angle):g} deg. Add a latch or an end_stop."
             )
 
 
 def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose end stop lies before their latch, which they do not reach then."""
+    """Lines whose end stop lies before their latch."""
     for line in scene.hinge_lines:
         if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
             yield (
-                f"hinge_line.{line.name}: its end stop is at {degrees(line.stop_angle):g} deg, before its latch at "
-                f"{degrees(line.deployed_angle):g} deg, which it reaches only as far as it presses the stop in"
+                f"hinge_line.{line.name}: its end stop at {degrees(line.stop_angle):g} deg is before its latch at "
+                f"{degrees(line.deployed_angle):g} deg, so it may not latch. Move the end stop beyond the latch."
             )
 
 
 def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
-    """Latches that brake like tar, friction that sticks like rubber, end stops that a line's own motor presses in."""
+    """Overdamped latches, soft presliding friction, end stops too soft for the motor of their line."""
     for line in scene.hinge_lines:
         if line.latch is not None and line.latch.damping_ratio > _OVERDAMPED:
             ratio = line.latch.damping_ratio
             yield (
-                f"hinge_line.{line.name}.latch.damping_ratio: is {ratio:g}, {ratio:g} times what is critical; "
-                f"'{ratio:g} %' is a hundredth of it"
+                f"hinge_line.{line.name}.latch.damping_ratio: {ratio:g} is {ratio:g} times critical damping. If "
+                f"{ratio:g} % is meant, write '{ratio:g} %'."
             )
         soft = None if line.presliding is None else line.presliding.stiffness
         if soft and line.friction_preload > _FAR * soft:
             wound = line.friction_preload / soft
             yield (
-                f"hinge_line.{line.name}.presliding.stiffness: is {soft:g} N.m/rad, so soft that "
-                f"the line turns by {degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m "
-                "slides; what sticks gives way by milliradians"
+                f"hinge_line.{line.name}.presliding.stiffness: with {soft:g} N.m/rad the line turns by "
+                f"{degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m slides; "
+                "milliradians are usual. Check the unit."
             )
         if line.end_stop is not None and line.motor_energy > 0.5 * line.end_stop.stiffness * _GIVES_WAY**2:
             yield (
-                f"hinge_line.{line.name}.end_stop.stiffness: is {line.end_stop.stiffness:g} N.m/rad, so soft that the "
-                f"{line.motor_energy:.3g} J of the line's motor press it in by more than {degrees(_GIVES_WAY):.0f} deg"
+                f"hinge_line.{line.name}.end_stop.stiffness: with {line.end_stop.stiffness:g} N.m/rad the motor's "
+                f"{line.motor_energy:.3g} J compress the stop by more than {degrees(_GIVES_WAY):.0f} deg. Check "
+                "the unit."
             )
 
 
 def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
-    """A coefficient that no pin has, and lines whose friction is to stick and that have none."""
+    """A friction coefficient beyond that of pins, and presliding without friction."""
     if scene.friction.coefficient > _ROUGHEST:
         yield (
-            f"friction.coefficient: is {scene.friction.coefficient:g}, and pins have {_ROUGHEST:g} at the most; "
-            f"'{scene.friction.coefficient:g} %' is a hundredth of it"
+            f"friction.coefficient: {scene.friction.coefficient:g} is above {_ROUGHEST:g}, the largest of pins. If "
+            f"{scene.friction.coefficient:g} % is meant, write '{scene.friction.coefficient:g} %'."
         )
     for line in scene.hinge_lines:
         if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
             yield (
-                f"hinge_line.{line.name}.presliding: there is no friction that could stick; give the line "
-                "friction_preload, or friction.coefficient"
+                f"hinge_line.{line.name}.presliding: the line has no friction. Set its friction_preload, or "
+                "friction.coefficient."
             )
 
 
 def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
-    """Lines, coupled ones together, whose friction and harness take more than motors give, somewhere on the way."""
+    """Lines, coupled lines together, whose friction and harness exceed the motor torque at some angle."""
     groups = [group for group in coupled_lines(scene) if not group.drives]
     motors = [line.name for line in scene.hinge_lines if line.motor is not None and not line.held]
     for name in motors:
@@ -125,9 +126,9 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
             continue
         if (short := _first_short(scene, {name: 1.0})) is not None:
             yield (
-                f"hinge_line.{name}: at {degrees(short.angle):.4g} deg its motor gives {short.given:.4g} N.m, and its "
-                f"friction and harness take {short.taken:.4g} N.m; unless its speed carries it on or something else "
-                "drives it, it stops there"
+                f"hinge_line.{name}: at {degrees(short.angle):.4g} deg its motor torque of {short.given:.4g} N.m "
+                f"is below friction and harness, {short.taken:.4g} N.m, so it may stop there. Increase the motor "
+                "torque, or reduce friction."
             )
     for group in groups:
         if group.rates.keys() & motors and (short := _first_short(scene, group.rates)) is not None:
@@ -141,14 +142,14 @@ def _held_together(group: CoupledLines, short: _Short) -> str:
     )
     rates = " : ".join(f"{rate:.4g}" for rate in group.rates.values())
     return (
-        f"hinge_line.{first}: {couple}, at rates {rates}; with it at {degrees(short.angle):.4g} deg their motors give "
-        f"{short.given:.4g} N.m in all at its rate, and their friction and harness take {short.taken:.4g} N.m; unless "
-        "their speed carries them on or something else drives them, they stop there"
+        f"hinge_line.{first}: {couple}, at rates {rates}; at {degrees(short.angle):.4g} deg the motors have "
+        f"{short.given:.4g} N.m in sum at its rate, below friction and harness, {short.taken:.4g} N.m, so all may "
+        "stop there. Increase the motor torques, or reduce friction."
     )
 
 
 class _Short(NamedTuple):
-    """Angle (rad) of a line, and what drives and what resists there (N.m), coupled lines at its rate."""
+    """Angle (rad) of a line, driving and resisting torque there (N.m), coupled lines at its rate."""
 
     angle: float
     given: float
@@ -156,7 +157,7 @@ class _Short(NamedTuple):
 
 
 def _first_short(scene: CheckedScene, rates: Mapping[str, float]) -> _Short | None:
-    """The first place at which more resists than drives; rates: of all lines that turn together, over the first's."""
+    """The first angle at which resistance exceeds the drive; rates: of all coupled lines, relative to the first."""
     lines = {line.name: line for line in scene.hinge_lines}
     given, taken = np.zeros(_ANGLES), np.zeros(_ANGLES)
     for name, rate in rates.items():
@@ -170,7 +171,7 @@ def _first_short(scene: CheckedScene, rates: Mapping[str, float]) -> _Short | No
 
 
 def _torques(line: HingeLine, rate: float) -> tuple[Vector, Vector]:
-    """Torque (N.m) of the motor, and that of friction and harness, on the way, at the rate of another line."""
+    """Motor torque, and torque of friction and harness (N.m) over the travel, at the rate of another line."""
     angles = _angles(line).tolist()
     opening = Linear(0.0) if line.harness is None else line.harness.opening_law
     motor = np.array([line.motor_law.value(angle) for angle in angles])
@@ -179,12 +180,12 @@ def _torques(line: HingeLine, rate: float) -> tuple[Vector, Vector]:
 
 
 def _angles(line: HingeLine) -> Vector:
-    """Places (rad) on the way of a line."""
+    """Angles (rad) over the travel of a line."""
     return np.linspace(line.initial_angle, max(line.initial_angle, line.deployed_angle), _ANGLES)
 
 
 def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
-    """Lines that go beyond what tables of their motor or harness tell."""
+    """Lines that travel beyond the tables of their motor or harness."""
     for line in scene.hinge_lines:
         low, high = sorted((line.initial_angle, line.deployed_angle))
         for name, table in (("motor", line.motor), ("harness", line.harness)):
@@ -196,14 +197,14 @@ def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
             ):
                 if beyond < -_TURNED:
                     yield (
-                        f"hinge_line.{line.name}.{name}: its table ends at {degrees(end):.4g} deg, and the line goes "
-                        f"from {degrees(low):.4g} to {degrees(high):.4g} deg; beyond, the torque goes on by the slope "
-                        "at the end"
+                        f"hinge_line.{line.name}.{name}: its table ends at {degrees(end):.4g} deg, but the line "
+                        f"turns from {degrees(low):.4g} to {degrees(high):.4g} deg, and the last slope is "
+                        "extrapolated. Extend the table."
                     )
 
 
 def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
-    """Latches of lines in closed loops, damped by the inertia of what hinge lines alone carry."""
+    """Latches of lines in closed loops whose damping counts only bodies that hinge lines carry."""
     if scene.structural_damping is not None:
         return
     placed = {body.name for body in scene.bodies if body.place is not None}
@@ -216,8 +217,8 @@ def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
         if moved := sorted(beside & placed):
             words = f"{', '.join(moved)} {'move' if len(moved) > 1 else 'moves'} with the line"
             yield (
-                f"hinge_line.{line.name}.latch.effective_inertia: {words}, and its damping counts what hinge "
-                "lines carry alone; give the inertia of all that moves"
+                f"hinge_line.{line.name}.latch.effective_inertia: {words}, but the latch damping counts only "
+                "bodies that hinge lines carry. Set it to the inertia of all moving bodies."
             )
 
 
@@ -226,19 +227,19 @@ def _joins(joint: Connection, bodies: Collection[str]) -> bool:
 
 
 def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose hinges all let their body slide, where nothing else could hold it."""
+    """Lines with cylindrical hinges only, whose body slides, as nothing else holds it."""
     if scene.loops or scene.connections:
         return
     for line in scene.hinge_lines:
         if not line.held and {hinge.kind for hinge in line.hinges} == {"cylindrical"}:
             yield (
-                f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the line "
-                "freely; make one of them revolute"
+                f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the "
+                "line. Make one of them revolute."
             )
 
 
 def _through_one_another(scene: CheckedScene) -> Iterator[str]:
-    """Panels folded onto each other by a line on those faces of theirs that are not the ones that part as it opens."""
+    """Folded panels that open through each other."""
     points, panels = scene_points(scene), {body.name for body in scene.bodies if panel_of(body) is not None}
     for line in scene.hinge_lines:
         folded = abs(line.aligned_angle - line.initial_angle - pi) < _FLAT
@@ -249,7 +250,6 @@ def _through_one_another(scene: CheckedScene) -> Iterator[str]:
         if apart * line.axis[1] < 0.0:
             side = "above" if apart > 0.0 else "below"
             yield (
-                f"hinge_line.{line.name}: {line.outboard} lies {1e3 * abs(apart):.4g} mm {side} {line.inboard} (along "
-                "its z) and opens to the other side, through it; change the sign of panel.hinge_line_offsets there, or "
-                "of axis"
+                f"hinge_line.{line.name}: {line.outboard} lies {1e3 * abs(apart):.4g} mm {side} {line.inboard} "
+                "(along its z) and opens through it. Change the sign of panel.hinge_line_offsets, or of axis."
             )

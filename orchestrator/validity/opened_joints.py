@@ -1,4 +1,4 @@
-"""Joints that opened so far in a run that the bodies no longer moved as they let them."""
+"""Joints that opened so far that bodies no longer moved as their joints allow."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class _Opened(NamedTuple):
 
 
 def opened_joint_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for the joint that opened farthest beside its bodies, where that is more than a joint may."""
+    """A sentence for the joint that opened farthest relative to its bodies, if beyond the limit."""
     sizes, beside = _sizes(scene), dict[str, float]()
     for link in assembly.links:
         joint = link.connection[0]
@@ -45,21 +45,21 @@ def opened_joint_warnings(scene: CheckedScene, assembly: Assembly, result: Resul
         return
     leading = [*motions(scene), *(c.name for c in scene.connections if c.kind in _LEADING)]
     yield (
-        f"{farthest.joint} opened by {1e3 * farthest.distance:.3g} mm under {farthest.force:.3g} N, at "
-        f"{farthest.time:.4g} s: bodies did not move as their joints let them; "
-        + (_led(leading) if leading else "the joint is soft for such a load, so check its stiffness")
+        f"{farthest.joint} opened by {1e3 * farthest.distance:.3g} mm under {farthest.force:.3g} N at "
+        f"{farthest.time:.4g} s, more than a joint may. "
+        + (_led(leading) if leading else "Check its stiffness.")
     )
 
 
 def _led(leading: list[str]) -> str:
     return (
-        f"where {' and '.join(leading)} leads, they cannot follow, or pass a singular position, where small motions "
-        "take large forces; check how far the law leads, and the joints that are locked"
+        f"Check how far {' and '.join(leading)} leads, which joints are locked, and whether the motion passes a "
+        "singular position."
     )
 
 
 def _sizes(scene: CheckedScene) -> dict[str, float]:
-    """Largest distance (m) of two points of every body."""
+    """Largest distance (m) between two points of every body."""
     return {
         name: max((norm(subtract(a, b)) for a, b in combinations(points.values(), 2)), default=0.0)
         for name, points in scene_points(scene).items()

@@ -1,4 +1,4 @@
-"""Loops that an FMU of another tool closes from communication point to communication point, unstable by its step."""
+"""Feedback loops through an FMU of another tool that are unstable at its step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ is, from which on they are no ringing of a wing that beats with the steps: of a 
 
 
 def sampled_loop_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each FMU with an output that swings to and fro from step to step, ever further."""
+    """A sentence for each FMU with an output that alternates from step to step with growing amplitude."""
     for fmu in assembly.signal_fmus:
         names = [one.variable for one in fmu.outputs if result.has(fmu.name, one.variable)]
         growing = [name for name in names if _swings(result.signal(fmu.name, name))]
@@ -27,10 +27,9 @@ def sampled_loop_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
             name = growing[0]
             largest = float(np.abs(result.signal(fmu.name, name)).max())
             yield (
-                f"fmu.{fmu.name}: its {name} swings to and fro from one of its steps of {fmu.step:g} s to the next, "
-                f"ever further, up to {largest:.3g} {result.unit(fmu.name, name)}: held for so long it makes the loop "
-                "that it closes unstable, and what follows in the scene is of that; give it a smaller step, or smaller "
-                "gains"
+                f"fmu.{fmu.name}: {name} alternates from step to step of {fmu.step:g} s with growing amplitude, up "
+                f"to {largest:.3g} {result.unit(fmu.name, name)}, because its feedback loop is unstable at this "
+                "step. Use a smaller step or smaller gains."
             )
 
 

@@ -1,4 +1,4 @@
-"""What is said of FMUs of other tools that take part in a scene, though they can: what is hardly meant, or known."""
+"""Probable mistakes in the use of FMUs of other tools."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST_STEPS = 1e6
 
 
 def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
-    """What is said of FMUs that take part, though they can: what is hardly meant, or hardly known."""
+    """All warnings about FMUs of other tools in a scene."""
     tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
     for fmu in assembly.signal_fmus:
         if (table := tables.get(fmu.name)) is not None:
@@ -29,38 +29,44 @@ def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str
 
 
 def _bare_units(fmu: SignalFmu) -> Iterator[str]:
-    """Variables without unit, which are taken as they are."""
+    """Variables without a unit."""
     bare = [s for s in (*fmu.inputs, *fmu.outputs) if not s.says_unit and s.unit != "1"]
     if bare:
         listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
-        yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"
+        yield (
+            f"fmu.{fmu.name}: {Path(fmu.path).name} declares no unit for some variables, which are read as "
+            f"{listed}. Check these units."
+        )
 
 
 def _all_too_often(table: Fmu, until: float) -> Iterator[str]:
-    """FMUs whose own step the run has to stop at more often than anybody waits for."""
+    """FMUs whose step requires very many steps of the run."""
     if table.step is not None and until > _MOST_STEPS * table.step:
         yield (
-            f"fmu.{table.name}: its step of {table.step:g} s is made {until / table.step:.2g} times in {until:g} s, "
-            "and the run steps to every one; check the unit of step"
+            f"fmu.{table.name}: its step of {table.step:g} s requires {until / table.step:.2g} steps in {until:g} "
+            "s. Check the unit of step."
         )
 
 
 def _of_several_hinges(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
-    """Loads by the name of a line that has several hinges."""
+    """Loads addressed by the name of a line with several hinges."""
     hinges = {line.name: line for line in lines if len(line.hinges) > 1}
     units = {s.variable: s.unit for s in (*fmu.inputs, *fmu.outputs)}
     for name, source in table.inputs.items():
         line = hinges.get(source.partition(".")[0])
         if line is not None and "N" in units[name]:
             number = len(line.hinges)
-            yield f"fmu.{fmu.name}.inputs.{name}: {source} is that of {line.sensor} alone, one of {number} hinges"
+            yield (
+                f"fmu.{fmu.name}.inputs.{name}: {source} is the value of {line.sensor}, one of {number} hinges, "
+                "not that of the line. Multiply it for the line."
+            )
     for name in table.outputs:
         for target in table.targets(name):
             line = hinges.get(target.partition(".")[0])
             if line is not None and "N" in units[name]:
                 yield (
                     f"fmu.{fmu.name}.outputs.{name}: each of the {len(line.hinges)} hinges of {line.name} gets the "
-                    "whole value; divide what is meant for the line"
+                    f"full value. Divide a value for the line by {len(line.hinges)}."
                 )
 
 
@@ -71,33 +77,32 @@ def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
         for setting in event.settings:
             if (setting.part, setting.parameter) in targets:
                 yield (
-                    f"event.{event.name}: it sets {setting.part}.{setting.parameter}, as the FMU {fmu.name} does; from "
-                    "the event on the FMU does no longer"
+                    f"event.{event.name}: it sets {setting.part}.{setting.parameter}, which the FMU {fmu.name} "
+                    "sets as well. From the event on the value of the event applies."
                 )
 
 
 def _driven_wing(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
-    """What a wing does not get that is held, and one that is iterated, from what it is joined to."""
+    """Limits of a wing with constant loads over a step, and of an iterated wing."""
     if not fmu.iterated:
         yield (
-            f"fmu.{fmu.name}: loads of this wing are held over a step, which is unstable where it is heavy beside its "
-            f"spacecraft, and may be in bands of steps; compare two steps, or give iterated = true and parameters = {{ "
-            f"{MEETS_RATES} = 1 }}"
+            f"fmu.{fmu.name}: loads of this wing are constant over a step, which may be unstable if it is heavy "
+            "relative to its spacecraft. Compare two steps, or set iterated = true and parameters = "
+            f"{{ {MEETS_RATES} = 1 }}."
         )
         return
     if not table.parameters.get(MEETS_RATES):
         yield (
-            f"fmu.{fmu.name}: it is iterated, with the rates of a step's end; give parameters = {{ {MEETS_RATES} = 1 "
-            "}, without which its base lags behind them"
+            f"fmu.{fmu.name}: without {MEETS_RATES} the base of this iterated wing lags behind the rates at the "
+            f"end of a step. Set parameters = {{ {MEETS_RATES} = 1 }}."
         )
     if any(not signal.is_impulse for signal in fmu.outputs):
         yield (
-            f"fmu.{fmu.name}: loads that it sets are means of both ends of a step, which lack the impulses of "
-            "kinematic latches; join its interface_impulse and interface_angular_impulse in their place"
+            f"fmu.{fmu.name}: the loads that it sets lack the impulses of kinematic latches. Connect "
+            "interface_impulse and interface_angular_impulse instead."
         )
     if locks := ", ".join(line.name for line in lines if line.kinematic):
         yield (
-            f"fmu.{fmu.name}: a lock of the scene itself takes rates away in no time, in which this wing takes no "
-            f"part, so that its impulse and the loads just after are those without the wing: {locks}; let it latch by "
-            "a spring"
+            f"fmu.{fmu.name}: the instantaneous impulses of {locks} do not include this wing, nor do the loads "
+            "just after them. Use latches with springs."
         )

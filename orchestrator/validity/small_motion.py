@@ -1,4 +1,4 @@
-"""What analyses of small motion leave out of a scene."""
+"""Parts of a scene that analyses of small motion omit."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from ..scene import CheckedScene
 
 
 def left_out(scene: CheckedScene, rigid: Collection[str], spinning: bool) -> Iterator[str]:
-    """Sentences on beams of large deformation, which are modal here, on what turns, and on what will.
+    """Sentences on large-deformation beams, which are modal in analyses, and on present and later spin.
 
-    rigid: bodies that are taken as such, or "all". spinning: whether the analysis is about the steady spin of a base.
+    rigid: names of rigid bodies, or "all". spinning: the analysis linearises about the steady spin of a base.
     """
     name = scene.header.name
     bodies = [body.name for body in scene.bodies if body.default_fidelity == "large_deformation"]
     if beams := [] if "all" in rigid else [body for body in bodies if body not in rigid]:
         yield (
-            f"{name}: analyses take {', '.join(beams)} as modal, which bend linearly; what a beam of large deformation "
-            "does under static loads, a run that starts with preload finds"
+            f"{name}: the analysis uses linear modes for the large-deformation beams {', '.join(beams)}. Simulate "
+            "with preload to find their static deflection."
         )
     turning = turning_at(scene, 0.0)
     if still := [body for body in turning if not (spinning and body == scene.base.name)]:
         yield (
-            f"{name}: analyses take {', '.join(still)} as at rest, though it turns where its law begins; what spin "
-            "stiffens and what rates do is left out"
+            f"{name}: the analysis neglects the initial spin of {', '.join(still)}, and so its stiffening and "
+            "gyroscopic terms."
         )
     if later := [body for body in turning_at(scene, scene.header.until) if body not in turning]:
         yield (
-            f"{name}: {', '.join(later)} begins at rest, as analyses take it, and turns at {scene.header.until:g} s; "
-            "give it a law that begins with its rate for those of its spin"
+            f"{name}: the analysis is about rest, but {', '.join(later)} spins at {scene.header.until:g} s. For "
+            "modes in spin, give it a motion law that starts with this rate."
         )

@@ -1,4 +1,4 @@
-"""What a scene begins with that is hardly meant: blows, open loops, strained rails, hold-downs in mid-travel."""
+"""Probable mistakes in the start of a scene: sudden loads, open loops, strained rails, hold-downs in mid-travel."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
 
 
 def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
-    """Loops and hold-downs whose preload acts all at once at the start."""
+    """Loops and hold-downs whose preload acts suddenly at the start."""
     roots = joined(scene)
     for loop in scene.loops:
         if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
@@ -68,14 +68,14 @@ def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
 
 
 def _struck_by_weight(scene: CheckedScene) -> Iterator[str]:
-    """Weight and loads that joints take all at once at the start."""
+    """Weight and loads that act on joints suddenly at the start."""
     loads = [one.name for one in scene.connections if one.kind == Load.kind and _acts_at_start(one)]
     acting = ["gravity"] * (any(scene.header.gravity) and scene.base.free is None) + loads
     if acting:
         yield (
-            f"scene.preload: {', '.join(acting)} at the start {'strike' if len(acting) > 1 else 'strikes'} joints and "
-            "bodies that bear nothing yet, which then ring by as much again, so that peaks there are up to twice what "
-            "they bear in the motion; true starts in the equilibrium of what is held, false says that the blow is meant"
+            f"scene.preload: {', '.join(acting)} {'act' if len(acting) > 1 else 'acts'} suddenly at the start, "
+            "which can double the loads of the first vibration. Set true to start in static equilibrium, or false "
+            "if the sudden load is meant."
         )
 
 
@@ -85,48 +85,51 @@ def _acts_at_start(load: Connection) -> bool:
 
 def _blow(preload: float) -> str:
     return (
-        f"its preload of {preload:g} N strikes the wing at the start; scene.preload = true starts in the equilibrium "
-        "under it, false says that the blow is meant"
+        f"its preload of {preload:g} N acts suddenly at the start. Set scene.preload = true to start in static "
+        "equilibrium, or false if the sudden load is meant."
     )
 
 
 def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
-    """Rails that take a weight all at once at the start, and ring under it for ever."""
+    """Undamped rails that a weight loads suddenly at the start."""
     for rail in (one for one in scene.connections if one.kind == Rail.kind):
         if any(scene.header.gravity) and not first_number(rail, "normal_damping"):
             yield (
-                f"connection.{rail.name}: nothing damps it (normal_damping), so it rings under the weight that it "
-                "takes at the start, for which steps are small all along; scene.preload = true starts in the "
-                "equilibrium, false says that the ringing is meant"
+                f"connection.{rail.name}: without normal_damping it vibrates under the weight that acts suddenly "
+                "at the start, and steps stay small. Set scene.preload = true to start in static equilibrium, or "
+                "false if the vibration is meant."
             )
 
 
 def _strained_rails(scene: CheckedScene) -> Iterator[str]:
-    """Rails without stiffness, which guide nothing, and those that start out of their plane."""
+    """Rails without stiffness, and rails that start off their plane."""
     for rail, started in _started(scene, Rail.kind):
         stiffness, force = (
             started.parameter("normal_stiffness"),
             abs(float(started.observed()["normal_force"][0])),
         )
         if not stiffness:
-            yield f"connection.{rail.name}: its normal_stiffness is 0, so nothing keeps the trolley on its rail"
+            yield (
+                f"connection.{rail.name}: its normal_stiffness is 0, so the rail does not guide the trolley. Set "
+                "normal_stiffness."
+            )
         elif force > _DEEP * stiffness:
             yield (
-                f"connection.{rail.name}: initial_offset starts its trolley {1e3 * force / stiffness:.4g} mm off its "
-                f"plane, which normal_stiffness turns into {force:.4g} N"
+                f"connection.{rail.name}: initial_offset places the trolley {1e3 * force / stiffness:.4g} mm off "
+                f"its plane, a force of {force:.4g} N with this normal_stiffness. Correct initial_offset."
             )
 
 
 def _wound_drives(scene: CheckedScene) -> Iterator[str]:
-    """Drives whose bodies start elsewhere than where they are commanded to be."""
+    """Drives whose bodies start away from the commanded angle."""
     for drive, started in _started(scene, Drive.kind):
         told = {name: float(value[0]) for name, value in started.observed().items()}
         wound = told["angle"] - told["commanded_angle"]
         if abs(wound) > _AWAY:
             yield (
-                f"connection.{drive.name}: its bodies start {degrees(wound):.4g} deg from what it commands, which "
-                f"winds its gearbox up by {abs(told['drive_torque']):.4g} N.m and {told['potential_energy']:.4g} J; "
-                "give it the axis of the line that it turns, and aligned_angle and start_angle that fit the line's"
+                f"connection.{drive.name}: its bodies start {degrees(wound):.4g} deg from the commanded angle, a "
+                f"torque of {abs(told['drive_torque']):.4g} N.m and {told['potential_energy']:.4g} J in the "
+                "gearbox. Give it the axis, aligned_angle and start_angle of the line that it drives."
             )
 
 
@@ -142,64 +145,64 @@ def _started(scene: CheckedScene, kind: str) -> Iterator[tuple[Connection, Insta
 
 
 def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
-    """Hold-downs across lines that start away from where they are stowed: they grip there."""
+    """Hold-downs across lines that start away from their stowed angle."""
     for line in scene.hinge_lines:
         away = line.initial_angle - line.stowed_angle
         if line.held or abs(away) <= _AWAY:
             continue
         for bolt in bolts_across(scene, [line.name]):
             yield (
-                f"connection.{bolt}: it holds bodies where the run begins, and {line.name} starts "
-                f"{degrees(away):.3g} deg from its stowed angle; leave out a hold-down that has let go by then"
+                f"connection.{bolt}: it grips at the start of the run, where {line.name} is {degrees(away):.3g} "
+                "deg from its stowed angle. Remove hold-downs that are released before."
             )
 
 
 def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
-    """Joints between what lines carry, where start angles do not bring their points together."""
+    """Joints of loops that the start angles leave open."""
     for name, size in left_open(scene, scene_points(scene)).items():
         if size > _CLOSED:
             yield (
-                f"connection.{name}: hinge lines carry its bodies, and their start angles leave it open by "
-                f"{1e3 * size:.4g} mm (or mrad), which its stiffness turns into load; check the stowed_angle of each "
-                "line of the loop and its digits, or place a body of the loop instead"
+                f"connection.{name}: the start angles of its hinge lines leave it open by {1e3 * size:.4g} mm (or "
+                "mrad), a load by its stiffness. Check stowed_angle and its digits for each line of the loop, or "
+                "place a body of the loop."
             )
 
 
 def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
-    """Placed bodies that joints turn far out of the attitude that they are written with."""
+    """Placed bodies that joints rotate far from their placed attitude."""
     bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
     for name, angle in closed(scene, scene_points(scene)).turned.items() if bare else ():
         if angle > _TURNED:
             joints = ", ".join(one.name for one in bare if name in {seat.body for seat in one.ports.values()})
             advice = f"give {joints} axes (in the world), or " if joints else ""
             yield (
-                f"body.{name}: joints turn it by {degrees(angle):.3g} deg from where its place says, as their ports "
-                f"have the axes of their bodies; {advice}place it as they hold it"
+                f"body.{name}: joints turn it by {degrees(angle):.3g} deg from its place, because their ports have "
+                f"the axes of their bodies. To correct this, {advice}place it as the joints hold it."
             )
 
 
 def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
-    """Motions that have a rate where all else starts from a static equilibrium."""
+    """Motion laws with an initial rate in a start from static equilibrium."""
     if not scene.header.preload:
         return
     points = scene_points(scene)
     rates = start_rates(scene, points, start_poses(scene, points))
     if names := ", ".join(name for name, rate in rates.items() if np.abs(rate).max() > _NO_RATE):
         yield (
-            f"scene.preload: all starts at rest, in static equilibrium, and motions lead {names} at a rate from t = 0 "
-            "on: that is a blow; begin motions at rest, or leave preload out"
+            f"scene.preload: motion laws move {names} with a rate at t = 0, but the run starts from static "
+            "equilibrium, which is a sudden load. Let the laws start at rest, or remove preload."
         )
 
 
 def turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
-    """Bases that a motion turns at the start, beside bodies whose places are those of the world."""
+    """Bases that a motion law rotates at the start, while bodies are placed in the world."""
     placed = [body.name for body in scene.bodies if body.place is not None]
     if scene.base.motion is None or not placed:
         return
     turn = scene.base.motion.laws[1].value(0.0)
     if abs(remainder(turn, 2.0 * pi)) > _FLAT:
         yield (
-            f"base.motion: it begins with the base turned by {degrees(turn):.4g} deg, and places of "
-            f"{', '.join(placed)} and axes of connections are those of the world, which do not turn along; write "
-            "these as they are then, or let the law begin at a whole turn"
+            f"base.motion: the base starts rotated by {degrees(turn):.4g} deg, but places of {', '.join(placed)} "
+            "and axes of connections are in the world and do not rotate with it. Write them for the rotated base, "
+            "or let the law start at a full turn."
         )

@@ -59,7 +59,7 @@ def draw_comparison(a: Result, b: Result) -> Iterator[Drawing]:
             panels = _with_values(panels_of((a, b)))
             if panels:
                 names = labels(a, b)
-                caption = f"{title}: {names[0]} drawn through, {names[1]} dashed."
+                caption = f"{title}: {names[0]} solid, {names[1]} dashed."
                 told = zip(names, distinctions(a, b), (a, b), strict=True)
                 curves = tuple(_curve_name(*one) for one in told)
                 yield Drawing(

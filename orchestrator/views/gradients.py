@@ -46,7 +46,7 @@ def plot_gradients(found: Gradients, path: Path) -> Path:
         axes.grid(visible=False)
         axes.set_xticks(range(len(found.keys)), [_wrapped(key) for key in found.keys])
         axes.set_yticks(range(len(rows)), names)
-        axes.set_title(found.scene + ("\ncrossed out: nobody vouches for these" if doubted else ""))
+        axes.set_title(found.scene + ("\ncrossed out: unreliable" if doubted else ""))
         figure.colorbar(image, ax=axes, label="change of a number in % for 1 % of a key")
         save_figure(as_written(figure), path)
     return path

@@ -47,15 +47,15 @@ _SWING = 2
 """Changes of sign before another line latches, from which on that is the end of a close-up."""
 _ROUNDING = 1e-9  # of the sum of causes
 _UNSEEN = 1e-3
-"""Of the largest load of a unit: what is below lies within the width of a line drawn to one scale."""
+"""Fraction of the largest load of a unit, about the width of a line."""
 
 ENERGIES: Final = {
     "stored_energy": "stored",
     "dissipated_energy": "dissipated",
-    "numerical_dissipation": "taken by the scheme",
+    "numerical_dissipation": "numerical loss",
     "supplied_energy": "supplied",
 }
-"""Energies of a scene (J) that the balance adds up, and what figures call them."""
+"""Energies of a scene (J) in the balance, and their names in figures."""
 
 
 class Drawing(NamedTuple):
@@ -144,7 +144,7 @@ def write_all(
 
 
 def deployment_angles(result: Result) -> Figure | None:
-    """Angle of every hinge line over time; the deployed angle of lines that nothing kept there."""
+    """Hinge angles; dashed: deployed angle of lines without latch."""
     names = result.recording("angle")
     if not names:
         return None
@@ -166,7 +166,7 @@ def deployment_angles(result: Result) -> Figure | None:
 
 
 def latch_torques(result: Result) -> Figure | None:
-    """Latch torque of every hinge line; close-ups of each line's own ringing, until another one latches."""
+    """Latch torque of every hinge line, and close-ups of its vibration until the next latch-up."""
     times = latch_times(result)
     lines = [line for line in result.hinge_lines if times.get(line.name, np.inf) < result.time[-1]]
     if not lines:
@@ -246,19 +246,19 @@ def curves_of(result: Result, name: str, variable: str, with_name: bool) -> Iter
 
 
 def port_loads(result: Result) -> Figure | None:
-    """Loads of single ports on the spacecraft, in its axes, about the port. Below a thousandth they are left out."""
-    return _loads_at_points(result, "Loads at the ports of the spacecraft", point_loads.port_loads)
+    """Loads on the spacecraft by attachment, in its axes, about each. Components below 0.1 % are not shown."""
+    return _loads_at_points(result, "Loads at the attachments of the spacecraft", point_loads.port_loads)
 
 
 def hinge_loads(result: Result) -> Figure | None:
-    """Loads of hinges on outboard bodies, in the axes of inboard ones. Below a thousandth they are left out."""
+    """Loads of hinges on outboard bodies, in axes of the inboard port. Components below 0.1 % are not shown."""
     return _loads_at_points(result, "Loads at the hinges between bodies", point_loads.hinge_loads)
 
 
 def _loads_at_points(
     result: Result, title: str, of: Callable[[Result, str], dict[str, Vector]]
 ) -> Figure | None:
-    """A panel for each axis of force, and beside it of torque."""
+    """A column of panels for the axes of the force, and one for those of the torque."""
     units = [list(_panels_of_vectors(of(result, unit), unit)) for unit in ("N", "N.m")]
     columns = [panels for panels in units if panels]
     if not columns:
@@ -298,7 +298,7 @@ def attitude(result: Result) -> Figure | None:
 
 
 def energy_balance(result: Result) -> Figure | None:
-    """Energy stored, dissipated (by cause), taken by the scheme and supplied; the residual on its own axis."""
+    """Stored, dissipated (by cause) and supplied energy, numerical loss, and the residual of the balance."""
     if not result.has("scene", "stored_energy"):
         return None
     signals = [
@@ -378,9 +378,9 @@ def _crossings(time: Vector, torque: Vector, start: float) -> Vector:
 
 
 def dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
-    """Dissipated energy by cause since the start, and what the scheme itself took.
+    """Dissipated energy by cause since the start, and the numerical loss.
 
-    What a component tells no cause of counts by what it is; a static search before the run counts for nothing.
+    Dissipation without a recorded cause counts under the kind of its component; that of a static search is excluded.
     """
     causes: dict[str, list[str]] = {}
     for name, variable in result.in_role(DISSIPATION):
@@ -399,5 +399,5 @@ def dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
         if name not in causes or np.abs(rest).max() > _ROUNDING * np.abs(total).max(initial=1.0):
             found[kind] = found.get(kind, 0.0) + rest
     if result.has("scene", "numerical_dissipation"):
-        found["the scheme"] = result.signal("scene", "numerical_dissipation")
+        found["numerical loss"] = result.signal("scene", "numerical_dissipation")
     return list(found.items())

@@ -51,8 +51,8 @@ def draw_scene(found: SceneCheck) -> Figure:
             axes: Any = figure.add_subplot(2, 1, k + 1, projection="3d", proj_type="ortho")
             cell = axes.get_position(original=True)
             folded = any(np.any(moved != sketch.faces[name]) for name, moved in apart(sketch.faces).items())
-            told = f"{title}; bodies that lie in one plane are drawn apart" if folded else title
-            figure.text(0.5, cell.y1, told, ha="center", va="bottom", fontsize=10)
+            words = f"{title}; stacked bodies are drawn apart" if folded else title
+            figure.text(0.5, cell.y1, words, ha="center", va="bottom", fontsize=10)
             _draw(axes, sketch, colours)
         _legend(figure, colours, list(sketches.values()))
     return figure

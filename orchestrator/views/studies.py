@@ -22,7 +22,7 @@ def plot_study(study: LatchStudy, folder: Path) -> list[Path]:
     """Pictures of the latch torques, and of their changes over what was changed; the paths written."""
     paths = [folder / "latch_torques.png", folder / "changes.png"]
     draw_latch_torques(paths[0], study.title, study.shown)
-    draw_changes(paths[1], f"Against {study.against}", study.changed, study.cases, study.reference)
+    draw_changes(paths[1], f"Relative to {study.against}", study.changed, study.cases, study.reference)
     return paths
 
 

@@ -68,7 +68,7 @@ def _tornado(study: Study) -> Figure | None:
     found = [one for name in study.main_numbers if (one := influence(study, name)) is not None]
     if not found:
         return None
-    title = "Changes by each parameter, from its low (blue) to its high end (orange)"
+    title = "Change by parameter, from its low (blue) to its high end (orange)"
     figure, places = _grid(title, len(found), columns=2)
     for one, axes in zip(found, places, strict=False):
         _bars(one, axes)
@@ -93,7 +93,7 @@ def _scatter(study: Study) -> Figure | None:
     found = [one for name in study.main_numbers if (one := influence(study, name)) is not None]
     if not found:
         return None
-    figure, places = _grid("Numbers over the parameter that moves them most", len(found))
+    figure, places = _grid("Numbers against the parameter that they are most sensitive to", len(found))
     for one, axes in zip(found, places, strict=False):
         first, *others = one.ranked
         colour = study.parameters[others[0]] if others else None

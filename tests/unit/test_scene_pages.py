@@ -105,4 +105,4 @@ def test_the_wing_of_the_pages_deploys(folder):
     assert result.warnings == ()
     assert set(result.latch_times) == {"HL1", "HL2"}
     quantities = {number.quantity for number in result.headline.numbers()}
-    assert {"attitude peak", "port force peak", "hinge torque peak"} <= quantities
+    assert {"attitude peak", "attachment force peak", "hinge torque peak"} <= quantities

@@ -22,6 +22,7 @@ from components.contract.roles import HOLD
 
 from ...assembly.statics.configuration import Configuration, hinges_of, lines_named, loaded, placed
 from ...assembly.statics.linear_model import LinearModel, NormalModes, damping_matrix, linearise, normal_modes
+from ...records import short_repr
 from ...scene import CheckedScene, SceneError
 from ...scene.builder import Names
 
@@ -35,6 +36,7 @@ class StateSpace(NamedTuple):
     d: Vector
 
 
+@short_repr
 @dataclass(frozen=True)
 class Appendage:
     """What a base carries in a configuration, about a point of the base, in world axes.

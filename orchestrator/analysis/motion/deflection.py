@@ -43,16 +43,16 @@ class Quiet(NamedTuple):
     left: float
 
     def sentence(self, end: float) -> str:
-        """What people read."""
+        """One or two sentences for reports."""
         start = (
-            f"{self.body} is deformed most, by {1e3 * self.largest:.4g} mm, at {self.largest_at:.4g} s; "
+            f"{self.body}: largest deformation {1e3 * self.largest:.4g} mm at {self.largest_at:.4g} s; "
             f"the motion ends at {self.motion_ends:.4g} s"
         )
         limit = f"{100.0 * QUIET:g} % of that"
         if self.wait is None:
             left = f"{1e3 * self.left:.3g} mm"
-            return f"{start}, and near {end:g} s it still swings by {left}, more than {limit} or not long enough below"
-        return f"{start}; wait {self.wait:.3g} s from then until it swings by no more than {limit}"
+            return f"{start}. Near {end:g} s it still vibrates by {left}, not long enough below {limit}"
+        return f"{start}. {self.wait:.3g} s later the vibration is below {limit}"
 
 
 def moving(result: Result) -> bool:

@@ -23,6 +23,7 @@ from components.contract.component import Vector
 
 from ...assembly import Assembly
 from ...cosim.sensitivity.solvers import AstrayError
+from ...records import short_repr
 from ...results.key_figures import Number, headline
 from ...results.result import Result
 from ...results.round_off import noise_floor
@@ -42,7 +43,7 @@ _SMALLER = (1.0, 0.1, 0.01)
 """Of these parts, one after the other, where neighbours cannot follow: an event comes within a tiny step of the run."""
 _OF_ZERO = 1.0
 """In its unit: what a key of zero is taken for, as it has no part."""
-_NO_NUMBERS = ("end time", "energy residual", "numerical dissipation")
+_NO_NUMBERS = ("end time", "energy residual", "numerical energy loss")
 _LOADS = ("N", "N.m")
 _MOVED = 1e-12
 """Of a number, beside its like: changes below it are rounding, of what no key moves."""
@@ -52,14 +53,15 @@ _DOUBTFUL = 0.1
 """Of a gradient: an estimated error beyond which it is told of."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Gradients:
-    """What a scene's headline numbers do when its keys change, each by a little.
+    """Derivatives of the headline numbers of a scene with respect to its keys.
 
-    keys: as they were given. values, units (P): of the keys, a factor being 1. numbers (N): those of the run.
-    derivatives (N, P): in the unit of the number over that of the key. errors (N): of each number's gradient, estimated
-    over the gradient as a whole; not a number where nothing moves it. single_errors (N, P): of the derivatives one by
-    one, in their units; not a number where they were not verified. unverified: why they could not be, if so.
+    keys, values, units (P): of the keys, 1 for factors. numbers (N): of the nominal run. derivatives (N, P): in the
+    unit of the number over that of the key. errors (N): of each gradient relative to its size; NaN if it is zero.
+    single_errors (N, P): of single derivatives, in their units; NaN without verification. unverified: why verification
+    failed, if it did.
     """
 
     scene: str
@@ -79,7 +81,7 @@ class Gradients:
 
     @property
     def round_off(self) -> NDArray[np.bool_]:
-        """(N,) whether a number is nothing beside its like, such as a load across a symmetric wing."""
+        """(N,) whether a number is round-off relative to its kind, such as a load across a symmetric wing."""
         return _round_off(self.numbers)
 
     @property
@@ -91,28 +93,27 @@ class Gradients:
 
     @property
     def unreliable(self) -> tuple[str, ...]:
-        """Names of the numbers whose derivatives mean nothing: small changes of the keys do not add up in them."""
+        """Names of numbers without meaningful derivatives: effects of small changes of the keys are not additive."""
         return tuple(name for name, error in zip(self.names, self.errors, strict=True) if error > _DOUBTFUL)
 
     @property
     def warning(self) -> str:
-        """What to say of these, and of errors that are not known; empty where there is nothing."""
-        told = []
+        """Warning about unreliable derivatives and unknown errors; empty if there are none."""
+        sentences = []
         if self.unverified:
-            told.append(
-                f"{self.scene}: the errors know nothing of those of the steps, as no neighbour could follow a run at a "
-                f"tenth of the tolerance: {self.unverified}"
+            sentences.append(
+                f"{self.scene}: the errors do not include step-size errors, because no neighbouring run could follow a "
+                f"run at a tenth of the tolerance: {self.unverified}"
             )
         if unreliable := ", ".join(self.unreliable):
-            told.append(
-                f"{self.scene}: nobody vouches for the derivatives of {unreliable}: a small change of all "
-                "keys together is not the sum of those of each, as where ringing is chaotic or not resolved, or rigid "
-                "bodies lock, whose loads hang on chance; try a smaller tolerance, or latches that are springs"
+            sentences.append(
+                f"{self.scene}: derivatives of {unreliable} are unreliable: the effect of all keys together is not the "
+                "sum of their single effects. Try a smaller tolerance, or latches with springs."
             )
-        return "; ".join(told)
+        return "\n".join(sentences)
 
     def plain(self) -> dict[str, object]:
-        """For JSON, which has no word for what is not a number: None; numbers by identifier, in the rows' order."""
+        """For JSON, with None for NaN; numbers by identifier, in the order of the rows."""
         arrays = {
             "derivatives": self.derivatives,
             "relative": self.relative,
@@ -224,7 +225,7 @@ def gradients(
             unverified = str(error)
         found = _told(assembly, parameters, beside, together, followed, finer)
         return replace(found, unverified=unverified)
-    raise StudyError(f"{assembly.name}: {astray}; its numbers have no derivative that can be told")
+    raise StudyError(f"{assembly.name}: {astray}; derivatives cannot be computed")
 
 
 def _follow(

@@ -12,6 +12,7 @@ import scipy
 from components.contract.component import Vector
 from components.contract.errors import unknown
 
+from ...records import short_repr
 from ...results.round_off import NOISE
 from .distributions import StudyError
 from .study import Study
@@ -23,6 +24,7 @@ _TOLD = 0.1
 """Part of the tolerance, of the largest number of a unit, from which on what runs tell of a number means something."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Influence:
     """On one number, by parameter.

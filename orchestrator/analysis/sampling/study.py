@@ -143,7 +143,7 @@ class Study:
 
     @property
     def main_numbers(self) -> list[str]:
-        """Numbers that a deployment is judged by first: those that a run vouches for, and rates at latch-up."""
+        """The main headline numbers: those with promised accuracy, and rates at latch-up."""
         main = {quantity_identifier(quantity) for quantity in (*PROMISED, "latch rate")}
         return [name for name in self.numbers if name.partition(".")[0] in main]
 

@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 from components import FanfoldError
 from components.contract.component import Vector
 
+from ...records import short_repr
 from ...scene.units import UNITS
 from .distributions import StudyError
 from .gradients import gradients
@@ -47,7 +48,7 @@ _NEAR, _JUMP = 0.01, 100.0
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """A number, in its unit: where the search began, where it ended, what was wanted."""
+    """A target number in its unit: at the start, at the end of the search, and its target."""
 
     number: str
     unit: str
@@ -56,15 +57,16 @@ class Reached:
     wanted: float
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Tuned:
-    """What a search found. values, start: of what was varied, by its name, in the unit of its range.
+    """Result of a tuning. values, start: tuned and initial values of the varied keys, in the unit of their range.
 
-    settings: keys of the scene with the values that were found. residual, start_residual: largest relative difference
-    from a target, of a curve the root of the mean square over its range. derivatives: of the numbers wanted (rows, in
-    their units) by what was varied (columns). at_ends: what came to an end of its range, where targets are missed.
-    blind: what was varied that the targets do not tell. runs: deployments, or what took as long. jumps: sentences of
-    what keeps targets from being met, numbers that change at once.
+    settings: keys of the scene with tuned values. residual, start_residual: largest relative difference to a target,
+    of a curve the root mean square relative to its range. derivatives: of target numbers (rows, in their units) with
+    respect to varied keys (columns). at_ends: keys at a bound of their range, if targets are missed. blind: keys that
+    the targets do not determine. runs: equivalent number of deployments. jumps: sentences on numbers that change
+    discontinuously, if targets are missed.
     """
 
     scene: str
@@ -367,7 +369,7 @@ def _at_ends(varied: Sequence[Varied], point: Vector) -> tuple[str, ...]:
 
 def _jumps(search: _Search, best: Vector, moved: Vector) -> tuple[str, ...]:
     """Sentences of numbers that differ, between the best run and one with nearly its values, by no derivative."""
-    count, told = len(search.targets), {}
+    count, sentences = len(search.targets), {}
     here, residual = search.known[tuple(best.tolist())]
     for point, (sample, other) in search.known.items():
         way = np.array(point) - best
@@ -379,12 +381,12 @@ def _jumps(search: _Search, best: Vector, moved: Vector) -> tuple[str, ...]:
             name = search.targets[k].number
             values = [one.numbers[name][0] for one in (here, sample) if name in one.numbers]
             if len(values) == 2:
-                told[name] = (
+                sentences[name] = (
                     f"{name} jumps from {values[0]:.6g} to {values[1]:.6g} {here.numbers[name][1]} between "
-                    f"{search.named(best)} and {search.named(np.array(point))}, as a line does that latches a swing "
-                    "earlier or later: what lies between cannot be met there"
+                    f"{search.named(best)} and {search.named(np.array(point))}, for example because a line latches one "
+                    "swing earlier or later. Targets between these values cannot be met."
                 )
-    return tuple(told.values())
+    return tuple(sentences.values())
 
 
 def _blind(varied: Sequence[Varied], moved: Vector, accuracy: float) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 from components.flexible.finite_elements import PlateNodes
 from components.flexible.stress import FACES, Indices, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
+from ...records import short_repr
 from ...results.result import Result, ResultError
 from .model import AT_INSERT, BodyStress, body_stress
 from .stretching import Stretching, left_out, stretching
@@ -69,6 +70,7 @@ class Choice:
         return found
 
 
+@short_repr
 @dataclass(frozen=True)
 class PanelStress:
     """Von Mises stresses of a panel over a run: hot spots, falling, and the peak of the larger face at every node."""

@@ -9,12 +9,14 @@ import numpy as np
 from components import ComponentError
 from components.contract.component import Vector
 
+from ...records import short_repr
 from ...results.result import Result, ResultError
 from ...scene.bodies import body_definition, body_model
 from .body_acceleration import acceleration_field
 from .model import bending_body, run_shapes
 
 
+@short_repr
 @dataclass(frozen=True)
 class BodyOutputs:
     """Outputs of an imported body at the recorded times."""

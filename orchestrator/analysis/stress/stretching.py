@@ -40,25 +40,25 @@ class Stretching:
     compression: Extreme
 
     def sentences(self, body: str) -> Iterator[str]:
-        """What its stresses do not hold."""
+        """Warnings about the stresses."""
         if self.slope.value > LARGEST_SLOPE:
             yield (
-                f"{body}: slopes reach {self.slope.value:.2g} {self.slope}, beyond the {LARGEST_SLOPE} up to which von"
-                " Karman's geometry is valid; stresses and deflections are too small or too large there"
+                f"{body}: slopes reach {self.slope.value:.2g} {self.slope}, beyond the limit of {LARGEST_SLOPE} of von"
+                " Karman's geometry, so stresses and deflections are inaccurate there"
             )
         if self.compression.value > 0.0:
             yield (
                 f"{body}: its mid-plane is most compressed {self.compression}, by"
-                f" {self.compression.value / 1e6:.3g} MPa; a slack membrane wrinkles there, which this model does not"
+                f" {self.compression.value / 1e6:.3g} MPa; a membrane would wrinkle there, unlike this model"
             )
 
 
 def left_out(body: str, stress: BodyStress, stretched: Stretching | None) -> Iterator[str]:
-    """What stresses do not hold, as sentences."""
+    """Sentences on what the stresses omit."""
     if stretched is not None:
         yield from stretched.sentences(body)
     if stress.prestress:
-        yield f"stresses of {body} leave out its tension at rest, {stress.prestress:.4g} Pa"
+        yield f"{body}: stresses do not include its tension at rest, {stress.prestress:.4g} Pa"
 
 
 def stretching(stress: BodyStress, time: Vector) -> Stretching | None:

@@ -22,7 +22,7 @@ Rule = Literal["sum", "ECSS"]
 
 RULES: Final[tuple[Rule, ...]] = ("sum", "ECSS")
 RULE_TEXTS: Final[Mapping[Rule, str]] = {
-    "sum": "driving torque over the sum of the resisting ones, each times its uncertainty factor",
+    "sum": "driving torque over the sum of the resisting torques times their uncertainty factors",
     "ECSS": "ECSS-E-ST-33-01C, 4.7.5.3: 0.8 of the driving torque less 1.25 TD and TL over the same sum",
 }
 """What each rule sets against the limit, for people."""

@@ -1,1 +1,1 @@
-"""The documents: pages that people wrote in `pages`, and what is generated beside them from the declarations."""
+"""The documents: written pages in `pages`, and pages generated from the declarations."""

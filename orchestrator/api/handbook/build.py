@@ -41,9 +41,9 @@ MEASURED = {"validation.md": validation_page, "performance.md": performance_page
 
 
 def build(target: Path, gallery: bool) -> None:
-    """Build all pages into a folder; FanfoldError where the extra is missing or Sphinx finds anything wrong.
+    """Build all pages into a folder; FanfoldError if the extra is missing or Sphinx reports a problem.
 
-    gallery: run the examples too, which takes some minutes; they are only there beside the sources.
+    gallery: run the examples too, which takes some minutes; they exist only in a checkout.
     """
     missing = [name for name in _NEEDS if find_spec(name) is None]
     if missing:
@@ -88,7 +88,7 @@ def _examples() -> Path:
 
 def _settings(source: Path) -> dict[str, Any]:
     """Sphinx's configuration, which has no file of its own."""
-    extensions = ["myst_parser", "sphinx.ext.autodoc", f"{__package__}.mathml"]
+    extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", f"{__package__}.mathml"]
     settings: dict[str, Any] = {
         "project": "Fanfold",
         "version": version("fanfold"),
@@ -101,6 +101,7 @@ def _settings(source: Path) -> dict[str, Any]:
         "default_role": "code",
         "autodoc_typehints": "none",
         "autodoc_member_order": "bysource",
+        "napoleon_use_ivar": True,
         "myst_heading_anchors": 3,
         "myst_enable_extensions": ["dollarmath", "deflist"],
         "exclude_patterns": ["examples/**"],

@@ -68,7 +68,7 @@ def _workbench(measure: bool) -> Iterator[str]:
 
 
 def validation_page(measure: bool) -> str:
-    """Latch times beside published ones, closed forms, balances of energy."""
+    """Latch times compared with published ones, closed forms, energy balances."""
     scenes = sorted({one.scene for one in _LATCH_TIMES})
     found = {scene: _quiet(scene, rigid="all") for scene in scenes} if measure else {}
     lines = ["# Validation", "", _VALIDATION, "", "## Latch times of rigid wings", ""]
@@ -102,7 +102,7 @@ _BALANCE = (
 
 
 def readme_section(root: Path, page: str) -> str:
-    """What the README says besides; empty where there is none."""
+    """Further text of the README; empty if there is none."""
     title, readme = _SECTIONS.get(page), root / "README.md"
     if title is None or not readme.is_file():
         return ""

@@ -1,4 +1,4 @@
-"""What Python asks of the documents."""
+"""Functions of the documents for Python."""
 
 from __future__ import annotations
 
@@ -14,9 +14,12 @@ _PACKAGES = ("components", "fmus", "orchestrator")
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of scene files, for editors that complete keys and check them while one types.
+    """JSON schema (draft 2020-12) of scene files, for completion and checks in editors.
 
-    Every quantity has its SI `unit` beside the words of JSON Schema; every key has its meaning as `description`.
+    Returns
+    -------
+    dict
+        schema; every quantity has its SI `unit`, every key its meaning as `description`
     """
     from ...scene.keys.json_schema import scene_schema
 
@@ -24,11 +27,26 @@ def json_schema() -> dict[str, Any]:
 
 
 def docs(folder: str | Path | None = None, *, gallery: bool = True, rebuild: bool = False) -> Path:
-    """The first page of the documents, which are built where they are not there or are of other sources.
+    """Build the documents if they are missing or out of date, and return their first page.
 
-    folder: where they are kept, by default beside the cache. gallery: run the examples too, which takes a minute or
-    two. rebuild: build them in any case, so that times and numbers are measured anew. Building needs the extra `docs`;
-    FanfoldError says so.
+    Parameters
+    ----------
+    folder : str or Path, optional
+        folder of the pages; by default next to the cache
+    gallery : bool
+        also run the examples, which takes one or two minutes; by default True
+    rebuild : bool
+        build in any case
+
+    Returns
+    -------
+    Path
+        first page (HTML)
+
+    Raises
+    ------
+    FanfoldError
+        if the extra `docs` is not installed
     """
     from .build import build
 

@@ -61,7 +61,7 @@ def _keys(table: KeyTable) -> Iterator[str]:
     if table.place:
         yield f"({_anchor(table.place)})="
     yield (
-        "## Beside the tables"
+        "## Outside tables"
         if not table.place
         else f"{'##' if '.' not in table.place else '###'} {_heading(table)}"
     )
@@ -89,7 +89,7 @@ def _anchor(place: str) -> str:
 
 
 def components_page() -> str:
-    """What every component takes and tells: structure, parameters, commands, recorded signals."""
+    """Declarations of every component: structure, parameters, commands, recorded signals."""
     lines = ["# Components and signals", "", _SIGNALS, ""]
     for kind, component in sorted(REGISTRY.items()):
         lines += _component(kind, component)

@@ -52,9 +52,9 @@ def command_output(arguments: str) -> str:
 
 
 def run_page(page: str, folder: Path, name: str, command: Callable[[str], str] = command_output) -> str:
-    """Run all blocks of a page in order in a folder; the page with what commands told below them.
+    """Run all blocks of a page in order in a folder; the page with the output of commands below them.
 
-    command: runs `fanfold` with arguments and returns what it prints. Whatever it or Python raises passes on.
+    command: runs `fanfold` with arguments and returns its output. Its exceptions, and those of Python blocks, pass on.
     """
     values: dict[str, Any] = {}
     parts, done = [], 0

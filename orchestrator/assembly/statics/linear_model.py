@@ -163,7 +163,7 @@ def normal_modes(model: LinearModel, constraints: Vector | None = None) -> Norma
                 raise SceneError(["the stiffness has no modes: check springs with negative rates"]) from None
     if not np.all(inverse > 0.0):
         raise SceneError(
-            ["the masses have no modes: some are so small beside others that they round to nothing"]
+            ["the masses have no modes: some are too small relative to others; check their units"]
         )
     order = np.argsort(-inverse)
     vectors = vectors[:, order] / np.sqrt(inverse[order])

@@ -73,7 +73,7 @@ def lines_given(
         return None
     lines = ordered_names(context, param, values)
     if not lines:
-        raise click.BadParameter("name hinge lines with commas between, or say all or none", param=param)
+        raise click.BadParameter("name hinge lines, separated by commas, or say all or none", param=param)
     return lines
 
 
@@ -99,7 +99,7 @@ def configuration_choice(
 def _configuration_options(command: Command) -> Command:
     command = click.option(
         "--latched", multiple=True, metavar="LINES", callback=lines_given,
-        help="Latched lines, with commas between, or all, or none; by default all if deployed, else none.",
+        help="Latched lines, separated by commas, or all, or none; by default all if deployed, else none.",
     )(command)  # fmt: skip
     command = click.option(
         "--angle", "--angles", "angles", multiple=True, callback=angles_given, metavar="LINE=ANGLE,...",
@@ -107,13 +107,13 @@ def _configuration_options(command: Command) -> Command:
     )(command)  # fmt: skip
     return click.option(
         "--configuration", "named", type=click.Choice(["stowed", "deployed", "current"]), default="current",
-        show_default=True, help="Angles of all lines; current is where a run begins.",
+        show_default=True, help="Angles of all lines; current is the start of a run.",
     )(command)  # fmt: skip
 
 
 def as_posed_option(command: Command) -> Command:
-    """The option that leaves out static equilibrium."""
+    """Option that omits the static equilibrium."""
     return click.option(
         "--as-posed", is_flag=True,
-        help="About the hinge angles themselves, not about the static equilibrium beside them.",
+        help="Linearise at the hinge angles themselves, not at the static equilibrium near them.",
     )(command)  # fmt: skip

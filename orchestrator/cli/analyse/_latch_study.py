@@ -1,4 +1,4 @@
-"""What the commands of studies have in common: options, pictures, what is told of latch-up in all their runs."""
+"""Common parts of the convergence studies: options, pictures, table of latch-ups."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NUMBER = 7
 def report_study(
     study: LatchStudy, folder: Path, content: Mapping[str, object] | None, further: Iterable[Table] = ()
 ) -> None:
-    """Draw the pictures; then the content as JSON, or the table of latch-ups, further tables, where everything is."""
+    """Draw the pictures; then print the content as JSON, or the tables and the folder."""
     fanfold.plot(study, folder)
     if content is not None:
         click.echo(json.dumps(content))
@@ -33,14 +33,14 @@ def report_study(
     from ..tables import terminal
 
     console = terminal()
-    console.print(latch_table(f"{study.scene}: against {study.against}", study.shown, study.reference))
+    console.print(latch_table(f"{study.scene}: relative to {study.against}", study.shown, study.reference))
     for table in further:
         console.print(table)
     console.print(f"pictures and results in {folder}")
 
 
 def study_options(study: str, runs: str) -> Callable[[Command], Command]:
-    """The last options of a study; runs: those that take the tolerance."""
+    """Common options of the studies; runs: those with the tolerance."""
 
     def with_options(command: Command) -> Command:
         text = "One JSON object on standard output."

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...analysis.appendage.model import Appendage
 
 _SMALLEST_SHARE = 1e-3
-"""Of the rigid mass; what is less is told as 0."""
+"""Fraction of the rigid mass; smaller values are shown as 0."""
 _EXAMPLES = """\b
 Examples:
   fanfold analyse appendage amos3 --configuration deployed --save wing.mat
@@ -33,13 +33,13 @@ Examples:
 @as_posed_option
 @click.option(
     "--hold", multiple=True, default=("none",), show_default=True, metavar="LINES", callback=lines_given,
-    help="Lines kept at their angles without being latched, with commas between, or all, or none.",
+    help="Lines fixed at their angles without being latched, separated by commas, or all, or none.",
 )  # fmt: skip
 @click.option(
     "--points", multiple=True, callback=ordered_names, metavar="NAMES",
-    help="Points of the base, a model about each; by default the one that the base turns about.",
+    help="Points of the base, with a model about each; by default the point that the base rotates about.",
 )  # fmt: skip
-@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Cantilever modes to keep.")
+@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Number of cantilever modes.")
 @click.option(
     "-o", "--save", type=OutputFile(), metavar="FILE",
     help="File to write: .json, .npz, .mat (MATLAB), .op4 (Craig-Bampton, one grid), .txt (flexible body of 42).",
@@ -55,7 +55,7 @@ def command(
     save: Path | None,
     as_json: bool,
 ) -> None:
-    """SCENE as a linear appendage of its base: cantilever modes, participation, rigid and residual mass."""
+    """Linear appendage model of SCENE: cantilever modes, participation, rigid and residual mass."""
     found = fanfold.appendage(
         choice.load(),
         **wanted.posed,
@@ -91,23 +91,23 @@ def _print(found: Appendage) -> None:
     least = _SMALLEST_SHARE * found.rigid_mass.diagonal()
     modes = zip(found.frequency, found.damping_ratio, found.effective_mass, strict=True)
     for k, (frequency, ratio, masses) in enumerate(modes, start=1):
-        told = ("0" if mass < small else f"{mass:.3g}" for mass, small in zip(masses, least, strict=True))
-        table.add_row(f"{k}", f"{frequency:.5g}", f"{100.0 * ratio:.3g}", *told)
+        shown = ("0" if mass < small else f"{mass:.3g}" for mass, small in zip(masses, least, strict=True))
+        table.add_row(f"{k}", f"{frequency:.5g}", f"{100.0 * ratio:.3g}", *shown)
     for name, matrix in (("left", found.residual_mass), ("rigid", found.rigid_mass)):
-        told = (
+        shown = (
             "0" if mass < small else f"{mass:.4g}"
             for mass, small in zip(matrix.diagonal(), least, strict=True)
         )
-        table.add_row(name, "", "", *told)
+        table.add_row(name, "", "", *shown)
     console = terminal()
     console.print(table)
     center = ", ".join(f"{x:.4g}" for x in found.center_of_mass)
-    console.print(f"{found.mass:.5g} kg with their centre at ({center}) m from the point; world axes")
+    console.print(f"mass {found.mass:.5g} kg, centre of mass at ({center}) m from the point, world axes")
     console.print(str(found.configuration) + (f"; held: {', '.join(found.held)}" if found.held else ""))
     force, torque = found.unbalanced
-    console.print(f"nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration")
+    console.print(f"Residual of the static equilibrium: {force:.3g} N, {torque:.3g} N.m.")
     free = int((found.frequency == 0.0).sum())
     if free:
         console.print(
-            f"{free} of the modes are free motions of the wing, of 0 Hz; --hold keeps lines at their angles"
+            f"{free} of the modes are rigid-body modes of the wing (0 Hz). Use --hold to fix lines at their angles."
         )

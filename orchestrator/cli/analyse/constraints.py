@@ -1,4 +1,4 @@
-"""`fanfold analyse constraints`: what joints hold, what is redundant, and what can move."""
+"""`fanfold analyse constraints`: number, rank and redundancy of joint constraints, and free motions."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _rows(found: Constraints) -> list[tuple[str, str]]:
 @layered_scene
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(choice: SceneChoice, as_json: bool) -> None:
-    """Constraints of the joints of SCENE where it starts: count, rank, redundant ones, free motions."""
+    """Constraints of the joints of SCENE at its start: number, rank, redundant constraints, free motions."""
     found = fanfold.constraints(choice.load())
     derived = {"grubler": found.grubler, "freedoms": found.freedoms, "singular": found.is_singular}
     if as_json:

@@ -45,15 +45,24 @@ def sweeps_given(
 @configuration_choice
 @click.option(
     "--hold", multiple=True, metavar="LINES", callback=lines_given,
-    help="Held lines, with commas between, or all, or none; by default all that are not latched, in a sweep none.",
+    help=(
+        "Held lines, separated by commas, or all, or none; by default all lines that are not latched, in a sweep "
+        "none."
+    ),
 )  # fmt: skip
-@click.option("--preload", is_flag=True, help="Cable loops have exactly their preload, as when a run begins.")
+@click.option(
+    "--preload", is_flag=True, help="Give cable loops exactly their preload, as at the start of a run."
+)
 @click.option(
     "--sweep", "sweeps", multiple=True, callback=sweeps_given, metavar="LINE=FROM:TO,...",
-    help="Turn lines together through angles, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
+    help="Sweep the angles of lines, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
 )  # fmt: skip
 @click.option(
-    "--steps", type=Count(min=1, max=10_000), default=12, show_default=True, help="Steps of a sweep."
+    "--steps",
+    type=Count(min=1, max=10_000),
+    default=12,
+    show_default=True,
+    help="Number of steps of a sweep.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -65,10 +74,10 @@ def command(
     steps: int,
     as_json: bool,
 ) -> None:
-    """Static equilibrium of SCENE and the loads of its connections, at one configuration or over a sweep."""
+    """Static equilibrium of SCENE and the loads of its connections, in one configuration or over a sweep."""
     refuse_idle("--steps", "--sweep")
     if preload and sweeps:
-        raise click.UsageError("--preload is about one equilibrium; leave it or --sweep out")
+        raise click.UsageError("--preload and --sweep exclude each other; leave one of them out")
     scene = choice.load()
     if sweeps:
         found = fanfold.quasi_static(

@@ -28,12 +28,18 @@ _FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
 @as_posed_option
 @click.option(
     "--excite", type=click.Choice(DIRECTIONS), default="z", show_default=True,
-    help="Acceleration of the base along or (r) about an axis.",
+    help="Acceleration of the base along (x, y, z) or about (rx, ry, rz) an axis.",
 )  # fmt: skip
-@click.option("--along", type=click.Choice(DIRECTIONS), help="What is read; as excited by default.")
+@click.option(
+    "--along",
+    type=click.Choice(DIRECTIONS),
+    help=("Direction of the response; by default that of the excitation."),
+)
 @click.option(
     "--points", multiple=True, default=(INTERFACE,), show_default=True, callback=ordered_names, metavar="NAMES",
-    help="Points as BODY.POINT with commas between, whose acceleration is wanted; interface is the load on the base.",
+    help=(
+        "Points BODY.POINT whose acceleration is computed, separated by commas; interface is the load on the base."
+    ),
 )  # fmt: skip
 @click.option(
     "--from", "low", type=_FREQUENCY, default=0.1, show_default=True, metavar="HZ", help="Lowest frequency, in Hz.",
@@ -43,7 +49,7 @@ _FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
 )  # fmt: skip
 @click.option(
     "--steps", type=Count(min=2, max=100_000), default=400, show_default=True,
-    help="Frequencies, beside those around resonances.",
+    help="Number of frequencies, in addition to those near resonances.",
 )  # fmt: skip
 @click.option("-o", "--plot", type=Picture(), metavar="FILE", help="Picture to write.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
@@ -60,7 +66,7 @@ def command(
     plot: Path | None,
     as_json: bool,
 ) -> None:
-    """Response of SCENE in a configuration to vibration of its base."""
+    """Frequency response of SCENE in a configuration to vibration of its base."""
     if high <= low:
         raise click.UsageError(f"--to {high:g} Hz must be above --from {low:g} Hz")
     if not points:
@@ -110,6 +116,6 @@ def _print(found: FrequencyResponse) -> None:
     console.print(str(found.configuration))
     if found.base_is_free:
         console.print(
-            "the base is free in this scene; here it moves as prescribed, whatever its mass, so resonances are "
-            "those of the wing on a base that is held, and rotations are about its centre of mass"
+            "The base is free in this scene, but moves as prescribed here. So resonances are those of the wing on "
+            "a held base, and rotations are about its centre of mass."
         )

@@ -1,4 +1,4 @@
-"""`fanfold analyse gradients`: what the keys of a scene do to its headline numbers, by one deployment."""
+"""`fanfold analyse gradients`: derivatives of headline numbers with respect to keys of a scene, from one deployment."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 _SURE, _MOST, _REAL = 0.01, 10.0, 0.1
-"""Of a derivative: errors beyond the first are told beside it, and beyond the second not even as a part of it; up to
-the third it means something of a number that is round-off itself."""
+"""Relative errors of a derivative: larger than the first they are shown, larger than the second as "all"; up to
+the third a derivative of a number that is round-off is shown."""
 
 
 @click.command("gradients")
@@ -29,16 +29,20 @@ the third it means something of a number that is round-off itself."""
 @large_deformation_option
 @click.option(
     "--by", "keys", multiple=True, required=True, metavar="KEY",
-    help="What is differentiated by, such as hinge_line.HL1.motor.stowed; 'KEY*' is a factor of what it has, keys with "
-    "commas between change together; repeatable.",
+    help=(
+        "Key to differentiate by, such as hinge_line.HL1.motor.stowed; 'KEY*' is a factor, keys separated by "
+        "commas change together; repeatable."
+    ),
 )  # fmt: skip
-@click.option("--central", is_flag=True, help="Central differences: two neighbours a key, twice the cost.")
+@click.option("--central", is_flag=True, help="Use central differences, for twice the cost.")
 @click.option(
     "--verify/--no-verify",
     default=True,
     show_default=True,
-    help="Errors hold those of the steps, which may be far larger: one more run at a tenth of the tolerance, with "
-    "its neighbours.",
+    help=(
+        "Include step-size errors in the errors, from a second run at a tenth of the tolerance. Without them "
+        "loads may be wrong, even in sign."
+    ),
 )
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
 @click.option(
@@ -46,7 +50,7 @@ the third it means something of a number that is round-off itself."""
 )
 @click.option(
     "-o", "--output", type=Picture(), metavar="FILE", default=None,
-    help="Picture to write; by default named after SCENE, with .gradients.png.",
+    help="Picture; by default SCENE.gradients.png.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -60,7 +64,7 @@ def command(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Derivatives of the headline numbers of SCENE by its keys, through all latch-ups, from one run."""
+    """Derivatives of the headline numbers of SCENE with respect to its keys, through all latch-ups."""
     found = fanfold.gradients(
         choice.load(),
         keys,
@@ -96,7 +100,7 @@ def _report(found: Gradients, verified: bool) -> None:
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
         Column(
-            "derivatives\nare sure to" if verified else "without those\nof steps sure to",
+            "error" if verified else "without those\nof steps sure to",
             [
                 "round-off" if nothing else f"{error:.0e}" if error > 0.0 else ""
                 for nothing, error in zip(round_off, found.errors.tolist(), strict=True)
@@ -121,18 +125,15 @@ def _report(found: Gradients, verified: bool) -> None:
 
 
 def _sure(value: float, error: float, *, believed: bool) -> str:
-    """A derivative, and by what part of it it may be off where that is more than a hundredth.
-
-    None that is off by more where nobody vouches for its number: not even its size means something there.
-    """
+    """A derivative, with its relative error above one per cent; "unreliable" if that is unbounded."""
     if not error > _SURE * abs(value):
         return f"{value:.5g}"
     if not believed:
-        return "not told"
+        return "unreliable"
     share = error / abs(value) if value else inf
     return f"{value:.3g} ±{share:.0%}" if share < _MOST else f"{value:.3g} ±all"
 
 
 def _heading(key: str, unit: str) -> str:
-    """A key on as many lines as it has steps, and the unit that a number's is divided by."""
+    """A key on one line per part, and the unit that the number's unit is divided by."""
     return "\n".join([*key.replace(",", ",.").split("."), f"per {unit}" if unit else ""])

@@ -50,11 +50,11 @@ def impact_table(found: list[Impact], angular: bool) -> Table:
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option(
     "-o", "--output", type=Picture(), metavar="FILE",
-    help="Picture to write; by default named after RESULT, with .impact.png.",
+    help="Picture; by default RESULT.impact.png.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(result: Path, output: Path | None, as_json: bool) -> None:
-    """Impacts in RESULT: when, how hard, how long, and the energy they took."""
+    """Impacts of all contacts and end stops in RESULT: time, speed, peak load, impulse, energy loss."""
     opened = fanfold.Result.open(result)
     found = fanfold.impacts(opened)
     picture = output or result.with_suffix(".impact.png")
@@ -66,7 +66,7 @@ def command(result: Path, output: Path | None, as_json: bool) -> None:
         click.echo(json.dumps({"impacts": [asdict(impact) for impact in found]}))
         return
     if not found:
-        click.echo("nothing touched; no picture was drawn")
+        click.echo("no impacts; no picture was drawn")
         return
     from ..tables import terminal
 

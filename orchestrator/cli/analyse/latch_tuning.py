@@ -24,23 +24,25 @@ def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> floa
 
 @click.command("latch-tuning")
 @scene_choice
-@click.option("--line", "name", required=True, metavar="LINE", help="Hinge line whose latch spring is tuned.")
+@click.option("--line", "name", required=True, metavar="LINE", help="Hinge line whose latch spring to tune.")
 @click.option(
     "--frequency", type=Number(min=0.0, min_open=True), metavar="HZ",
-    help="Frequency to meet, in Hz; by default that of the flexible pair.",
+    help="Target frequency, Hz; by default that of the flexible pair.",
 )  # fmt: skip
 @click.option(
     "--stiffness-of", "kind", type=click.Choice(["total", "structure"]),
-    help="What the frequency belongs to: with flexible hinges the total, with rigid ones the structure; by default "
-    "the total with --frequency, else the structure, because the hinges of the flexible pair are locked.",
+    help=(
+        "Stiffness that the frequency belongs to: total with flexible hinges, structure with rigid ones. By "
+        "default total with --frequency, else structure, because the hinges of the flexible pair are locked."
+    ),
 )  # fmt: skip
 @click.option(
     "--hinge-stiffness", "hinges", callback=_stiffness, metavar="VALUE",
-    help="Measured stiffness of the line's hinges together with its unit, such as 51.3N.m/deg.",
+    help="Measured stiffness of all hinges of the line together, with its unit, such as 51.3N.m/deg.",
 )  # fmt: skip
 @click.option(
     "--wing", is_flag=True,
-    help="Against the whole deployed wing instead of the two bodies of the line alone.",
+    help="Tune to the whole deployed wing instead of the two bodies of the line.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -52,7 +54,7 @@ def command(
     wing: bool,
     as_json: bool,
 ) -> None:
-    """Tune the latch spring of a hinge line of SCENE for its rigid model."""
+    """Tune the latch spring of a hinge line of SCENE so that its rigid model has the frequency of the flexible one."""
     if wing:
         if kind is not None or hinges is not None:
             raise click.UsageError(
@@ -81,10 +83,10 @@ def command(
 def _of_wing(found: WingTuning) -> str:
     """What was found for a wing, in sentences."""
     return (
-        f"{found.line}: {found.stiffness:.5g} N.m/rad give the rigid wing {found.check:.5g} Hz in {found.direction}, "
-        f"where the flexible one has {found.frequency:.5g} Hz; the scene's gives {found.present:.5g} Hz\n"
-        f"to use it: --set 'hinge_line.{found.line}.latch.stiffness={found.stiffness:.5g} N.m/rad', and no less for a "
-        "side that is given"
+        f"{found.line}: with {found.stiffness:.5g} N.m/rad the rigid wing has {found.check:.5g} Hz in "
+        f"{found.direction} (target {found.frequency:.5g} Hz); with the present stiffness it has "
+        f"{found.present:.5g} Hz to use it: --set 'hinge_line.{found.line}.latch.stiffness={found.stiffness:.5g} "
+        "N.m/rad', and at least that for inboard_stiffness and outboard_stiffness"
     )
 
 
@@ -103,14 +105,14 @@ def _print(tuning: Tuning) -> None:
     table.add_row("inertia about the line, inboard", inner, unit)
     table.add_row("inertia about the line, outboard", f"{outboard:.6g}", "kg.m2")
     table.add_row("effective inertia", f"{tuning.inertia:.6g}", "kg.m2")
-    table.add_row("frequency to meet", f"{tuning.frequency:.7g}", "Hz")
+    table.add_row("target frequency", f"{tuning.frequency:.7g}", "Hz")
     if tuning.overlap is not None:
-        table.add_row("turning in that mode", f"{100.0 * tuning.overlap:.2f}", "%")
+        table.add_row("rotation of the line in that mode", f"{100.0 * tuning.overlap:.2f}", "%")
     stiffnesses = {"total": tuning.total, "structure": tuning.structure, "hinges": tuning.hinges}
     for what, value in stiffnesses.items():
         if value is not None:
             table.add_row(f"{what} stiffness", f"{value:.7g}", "N.m/rad")
             per_hinge = value / tuning.springs * pi / 180.0
             table.add_row(f"{what} stiffness, each of {tuning.springs}", f"{per_hinge:.6g}", "N.m/deg")
-    table.add_row("check: rigid pair with it", f"{tuning.check:.7g}", "Hz")
+    table.add_row("check: frequency of the rigid pair", f"{tuning.check:.7g}", "Hz")
     terminal().print(table)

@@ -41,7 +41,7 @@ def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Tabl
         for kept, values in found.reduced.items()
     ]
     return tables_that_fit(
-        f"{name}: full model, and errors of the reduced body's\nfree frequencies by modes kept",
+        f"{name}: full model, and errors of the reduced body's\nfree frequencies by number of modes",
         fixed,
         reduced,
         width,
@@ -57,7 +57,7 @@ def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, 
     try:
         counts = tuple(sorted({int(text) for text in value.split(",")}))
     except ValueError:
-        raise click.BadParameter("give whole numbers with commas between", param=param) from None
+        raise click.BadParameter("give integers separated by commas", param=param) from None
     if counts[0] < 0 or len(counts) < 2:
         raise click.BadParameter("give at least two different numbers of modes, none negative", param=param)
     return counts
@@ -65,7 +65,11 @@ def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, 
 
 @click.command("mode-study")
 @scene_choice
-@click.option("--body", metavar="BODY", help="Body whose modes are counted; needed where there are several.")
+@click.option(
+    "--body",
+    metavar="BODY",
+    help=("Body whose number of modes varies; required if several bodies are flexible."),
+)
 @click.option(
     "--modes", "counts", default="2,3,4,5,10,20,30", show_default=True, callback=_counts, metavar="N,N,...",
     help="Numbers of fixed-interface modes; the largest is the reference.",
@@ -79,7 +83,7 @@ def command(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Latch-up of SCENE against the number of a body's fixed-interface modes."""
+    """Convergence of the latch-up of SCENE with the number of fixed-interface modes of a body."""
     from ...run.simulation import fidelity_word, result_file  # takes its time, which --help need not
 
     scene = choice.load()

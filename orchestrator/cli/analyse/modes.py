@@ -23,8 +23,8 @@ _ROUNDED_UP = (9.995, 99.95)
 
 _BASES = {"fixed": "base fixed", "held": "free base held", "free": "base free"}
 
-_TOLD = 4
-"""What damps a mode, in a sentence."""
+_LISTED = 4
+"""Longest list in a sentence."""
 
 
 @click.command("modes")
@@ -33,9 +33,11 @@ _TOLD = 4
 @as_posed_option
 @click.option(
     "--base", type=click.Choice(("as-built", "held")), default="as-built", show_default=True,
-    help="A free spacecraft swings with the wing, or is held.",
+    help="A free spacecraft moves with the wing, or is held.",
 )  # fmt: skip
-@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Modes to list.")
+@click.option(
+    "--count", type=Count(min=1), default=15, show_default=True, help="Number of modes in the table."
+)
 @click.option(
     "-o",
     "--plot",
@@ -43,7 +45,11 @@ _TOLD = 4
     help="Folder for pictures of mode shapes.",
 )
 @click.option(
-    "--shapes", type=Count(min=1), default=4, show_default=True, help="Mode shapes to draw, with --plot."
+    "--shapes",
+    type=Count(min=1),
+    default=4,
+    show_default=True,
+    help="Number of mode shapes to draw, with --plot.",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -83,17 +89,17 @@ def command(
 def _print(found: Modes) -> None:
     from ..tables import plain_table, terminal
 
-    masses_told = found.base != "free" and not found.turns
-    told = "; effective masses in % of the rigid ones" if masses_told else ""
-    table = plain_table(f"normal modes, {_BASES[found.base]}{told}")
+    with_masses = found.base != "free" and not found.turns
+    words = "; effective masses in % of the rigid-body masses" if with_masses else ""
+    table = plain_table(f"normal modes, {_BASES[found.base]}{words}")
     table.add_column("mode", justify="right", no_wrap=True)
     table.add_column("freq.,\nHz", justify="right", min_width=7)
     table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
-    for heading in DIRECTIONS if masses_told else ():
+    for heading in DIRECTIONS if with_masses else ():
         table.add_column(heading, justify="right", min_width=4, no_wrap=True)
-    table.add_column("moves most, %")
+    table.add_column("dominant body, % of modal mass")
     for mode in found.listed:
-        masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if masses_told)
+        masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if with_masses)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
         table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}")
@@ -101,52 +107,47 @@ def _print(found: Modes) -> None:
     console.print(table)
     console.print(str(found.configuration))
     if found.turns:
-        console.print("modes of a steady spin: none has an effective mass, as their axes turn")
-    elif not masses_told:
-        console.print(
-            "the whole has no momentum in any of these modes, so none has an effective mass; "
-            "--base held tells those of the wing on a spacecraft that does not move"
-        )
+        console.print("Modes of a steady spin have no effective mass, because their axes rotate.")
+    elif not with_masses:
+        console.print("A free-free system has no effective mass; use --base held.")
     force, torque = found.unbalanced
     console.print(
-        f"{found.free_motions} free motions (0 Hz); "
-        f"nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration"
+        f"{found.free_motions} rigid-body modes (0 Hz). Residual of the static equilibrium: {force:.3g} N, "
+        f"{torque:.3g} N.m."
     )
 
 
 def _print_damping(found: Modes) -> None:
-    """What damps the first mode, and by which rule."""
+    """What damps the first mode, and the structural damping rule."""
     from ..tables import terminal
 
     console, modes, structural = terminal(), found.listed, found.structural_damping
     if modes and modes[0].damping_shares:
-        told = list(modes[0].damping_shares.items())[:_TOLD]
-        console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in told))
+        words = list(modes[0].damping_shares.items())[:_LISTED]
+        console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in words))
     coupled = [f"{mode.number}" for mode in modes if mode.coupled_by_damping]
     if coupled:
         console.print(
-            f"damping couples mode{'s' * (len(coupled) > 1)} {', '.join(coupled)} with others, so that less is left of "
-            "it than the table says of single modes; analyse frequency-response and appendage take all of it"
+            f"damping couples mode{'s' * (len(coupled) > 1)} {', '.join(coupled)} with others, so their damping "
+            "ratios are approximate; `analyse frequency-response` and `appendage` include the coupling"
         )
     if structural is not None:
         ratio, reference = structural.ratio, structural.reference_frequency
         console.print(
-            f"structural damping: {100.0 * ratio:.3g} % at {reference:.4g} Hz, in proportion to frequency"
+            f"structural damping: {100.0 * ratio:.3g} % at {reference:.4g} Hz, proportional to frequency"
         )
 
 
 def _print_spacing(found: Modes) -> None:
-    """Pairs of modes that root sum squares of their responses would underestimate."""
+    """Pairs of modes whose responses a root sum square would underestimate."""
     from ..tables import terminal
 
     pairs = [
         f"{low.number} and {high.number} (beat period {1.0 / (high.frequency - low.frequency):.3g} s)"
-        for low, high in found.closely_spaced[:_TOLD]
+        for low, high in found.closely_spaced[:_LISTED]
     ]
     if pairs:
-        terminal().print(
-            f"closely spaced modes, whose responses add up in phase and beat: {', '.join(pairs)}"
-        )
+        terminal().print(f"closely spaced modes, which beat: {', '.join(pairs)}")
 
 
 def _percent(fraction: float) -> str:

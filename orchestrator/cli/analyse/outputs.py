@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 @click.option("--body", required=True, metavar="BODY", help="The imported body.")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-    help="CSV file of all recorded times; by default BODY_outputs.csv in a folder named after RESULT.",
+    help="CSV file with all recorded times; by default BODY_outputs.csv in a folder named after RESULT.",
 )  # fmt: skip
 @result_options
 def command(result: Path, body: str, output: Path | None) -> None:
-    """Stresses and forces of elements of an imported body in RESULT: extremes, histories."""
+    """Element stresses and forces of an imported body in RESULT: extremes and histories."""
     found = fanfold.body_outputs(result, body)
     from ..tables import terminal
 

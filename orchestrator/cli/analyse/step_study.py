@@ -19,7 +19,7 @@ def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float,
     try:
         return study_steps([float(text) for text in value.split(",")])
     except ValueError:
-        raise click.BadParameter("give step sizes in seconds with commas between", param=param) from None
+        raise click.BadParameter("give step sizes in seconds, separated by commas", param=param) from None
     except fanfold.FanfoldError as error:
         raise click.BadParameter(str(error), param=param) from None
 
@@ -38,7 +38,7 @@ def command(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Latch-up of SCENE against the communication step size."""
+    """Convergence of the latch-up of SCENE with the communication step size."""
     from ...run.simulation import fidelity_word, result_file  # takes its time, which --help need not
 
     scene = choice.load()

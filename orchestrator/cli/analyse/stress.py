@@ -53,20 +53,20 @@ def _circle(
 @click.option("--count", type=Count(min=1), default=10, show_default=True, help="Hot spots.")
 @click.option(
     "--radius", type=Number(min=0.0), default=0.05, show_default=True, metavar="M",
-    help="Nodes this near to a hot spot are no further one, in m.",
+    help="Smallest distance between two hot spots, in m.",
 )  # fmt: skip
 @click.option("--nodes", callback=_numbers, metavar="N,N,...", help="Only these nodes of the mesh.")
 @click.option(
     "--within", type=Number(), nargs=4, callback=_rectangle, metavar="X0 X1 Y0 Y1",
-    help="Only nodes in this rectangle of the body's frame, in m.",
+    help="Only nodes in this rectangle of the body frame, in m.",
 )  # fmt: skip
 @click.option(
     "--around", type=Number(), nargs=3, callback=_circle, metavar="X Y R",
-    help="Only nodes at most R from a point of the body's frame, in m.",
+    help="Only nodes within a radius R of a point x, y of the body frame, in m.",
 )  # fmt: skip
 @click.option(
     "--insert-margin", type=Number(min=0.0), default=0, show_default=True, metavar="M",
-    help="Leave out nodes nearer to rigid inserts, in m; their corners are singular.",
+    help="Smallest distance of nodes to rigid inserts, in m, whose corners are singular.",
 )  # fmt: skip
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False),

@@ -46,28 +46,33 @@ def _extra_torques(
 @layered_scene
 @click.option(
     "--case", "names", multiple=True, callback=ordered_names, metavar="NAMES",
-    help="Variants to analyse beside each other, base for none; by default base and cold, if there is a cold one.",
+    help="Variants to analyse, base for none, separated by commas; by default base, and cold if the scene has it.",
 )  # fmt: skip
 @click.option(
     "--factors", type=click.Choice(list(FACTORS)), default="theoretical", show_default=True,
-    help="Uncertainty factors of ECSS table 4-2; measured ones need an approved test.",
+    help="Uncertainty factors of ECSS-E-ST-33-01C, table 4-2; measured ones need an approved test.",
 )  # fmt: skip
 @click.option(
     "--friction", type=click.Choice(["constant", "sliding", "static"]), default="sliding", show_default=True,
-    help="The preload torque alone, or with friction of the reactions, sliding or static.",
+    help="constant: preload torque alone; sliding, static: also friction due to joint reactions.",
 )  # fmt: skip
 @click.option(
     "--torque", "extra", multiple=True, callback=_extra_torques, metavar="LINE.SYMBOL=TORQUE",
-    help=f"Further torque of a line with its unit, such as HL2.HY=0.02N.m; symbols of ECSS {', '.join(_SYMBOLS)}; "
-    "repeatable.",
+    help=(
+        f"Additional torque of a line with its unit, such as HL2.HY=0.02N.m; ECSS symbols {', '.join(_SYMBOLS)}; "
+        "repeatable."
+    ),
 )  # fmt: skip
 @click.option(
     "--positions", type=Count(min=2, max=10_000), default=19, show_default=True,
-    help="Positions of the travel, its ends included.",
+    help="Number of positions over the travel, including its ends.",
 )  # fmt: skip
 @click.option(
     "--restart", "restarts", multiple=True, callback=ordered_names, metavar="POSITIONS",
-    help="Run from rest at these, such as 25%,50% of the travel, or 45deg of the first line with a motor.",
+    help=(
+        "Simulate from rest at these positions, such as 25%,50% of the travel, or 45deg of the first line with a "
+        "motor."
+    ),
 )  # fmt: skip
 @click.option(
     "--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS",
@@ -90,13 +95,13 @@ def command(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid.
+    """Torque margin of every driven hinge line of SCENE over its travel, limit 2; bodies are rigid.
 
-    Lines that cable loops couple have their margin together: their torques at the rate of the first of them.
+    Lines that cable loops couple have one margin, with their torques at the rate of the first line.
 
-    Exit code 3 where a margin fails or a restart does not open. Sum rule: driving torque over the sum of the
-    resisting ones, each times its uncertainty factor. ECSS rule: ECSS-E-ST-33-01C, 4.7.5.3: 0.8 of the driving torque
-    less 1.25 TD and TL over the same sum.
+    Sum rule: driving torque over the sum of the resisting torques times their uncertainty factors. ECSS rule
+    (ECSS-E-ST-33-01C, 4.7.5.3): 0.8 of the driving torque less 1.25 TD and TL, over the same sum. Exit code 3 if a
+    margin fails or a restart does not open.
     """
     from ...analysis.torque_margin.margins import margin_cases
     from ...analysis.torque_margin.restart import restart_shares

@@ -19,7 +19,7 @@ def is_hold_down(participant: Participant) -> bool:
 
 
 def place_of_break(participant: Participant) -> int | None:
-    """Where among its outputs a participant tells the time (s) to its next break; None where it has none."""
+    """Index of the time (s) to the next break among the outputs of a participant; None if it has none."""
     layout = participant.output_layout
     return layout[TIME_TO_BREAK.name].start if TIME_TO_BREAK.name in layout else None
 

@@ -42,7 +42,7 @@ class Strikes:
 
 
 def penetrations(participants: Sequence[Participant]) -> Iterator[tuple[str, int]]:
-    """Names of those that declare one, and its place among the observations of all, one's after the other's."""
+    """Names of the participants with a penetration, and its index among the observations of all."""
     firsts = first_observations(participants)
     for participant in participants:
         layout = participant.observation_layout

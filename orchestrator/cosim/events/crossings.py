@@ -27,7 +27,7 @@ class Fall(NamedTuple):
 
 
 def first_met(falls: Sequence[Fall], h: float) -> Fall | None:
-    """What falls through zero first in a step h (s); the first of those that come together."""
+    """The function that first falls through zero in a step h (s); the first one of simultaneous ones."""
     within = [fall for fall in falls if fall.after <= 0.0 < fall.before and fall.time(h) <= h]
     return min(within, key=lambda fall: fall.time(h), default=None)
 

@@ -1,4 +1,4 @@
-"""Loads that the error of a step is judged by beside its work: torques of latched lines, loads where stops are struck.
+"""Loads that weight the error of a step in addition to its work: torques of latched lines, loads of struck stops.
 
 A light part that latches or strikes has little of a scene's energy, and a large share of its loads.
 """
@@ -32,9 +32,9 @@ class JudgedLoads:
         self._latched.append(line)
 
     def add_struck(self, names: Sequence[str], time: float, h: float, largest: float) -> None:
-        """Connections by name that the step of h (s) at hand has struck; participants end stepped otherwise.
+        """Connections by name that the present step of h (s) has struck; participants end stepped otherwise.
 
-        largest: step (s) to find their inertia in, at the most.
+        largest: largest step (s) for the computation of their inertia.
         """
         solver = self._solver
         pushing = latch_up.slopes(solver, names, time, h)
@@ -50,7 +50,7 @@ class JudgedLoads:
         self._struck = latch_up.still_held(self._struck, free)
 
     def judge(self, whole: float) -> None:
-        """Judge them from now on beside the mean, in the logarithm, of their energy and the whole one (J)."""
+        """From now on weight them by the geometric mean of their energy and the whole energy (J)."""
         solver = self._solver
         self._watched = [
             load

@@ -1,4 +1,4 @@
-"""Rows with what events make of loads at their instant, from steps too short for motion, which are taken back."""
+"""Rows with loads right after an event, from steps too short for motion, which are undone."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _PARABOLA = (3.0, -3.0, 1.0)
 
 
 def instant_of(size: float) -> float:
-    """A time (s) too short for motion, beside steps of a size (s)."""
+    """A time (s) too short for motion, relative to steps of a size (s)."""
     return min(INSTANT, INSTANT_SHARE * size)
 
 
 class PostEventRows:
-    """One row an instant: of several events at one, that of the last tells, as what is between them lasts no time.
+    """One row per instant; of several simultaneous events that of the last, as nothing lasts between them.
 
-    observe: takes how long after the present time (s); tell: a row so long after it. waiting: what loads were off, by
-    `roughness`, before the first event of an instant whose row is still to come; empty where none is.
+    observe: takes how long after the present time (s); tell: a row so long after it. waiting: errors of loads, by
+    `roughness`, before the first event of an instant whose row is still to come; empty without one.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class PostEventRows:
         self.waiting: list[Vector | None] = []
 
     def roughness(self, time: float, size: float, steps: int) -> Vector | None:
-        """Before an event acts at a time (s): what loads of an instant are off, for the event's part alone to be told.
+        """Errors of loads at an instant before an event acts at a time (s), to separate the contribution of the event.
 
         size: of steps (s); steps: since the last event.
         """
@@ -61,9 +61,9 @@ class PostEventRows:
         *,
         others: bool = False,
     ) -> Vector | None:
-        """A row so long after a time (s), unless others are to act at that; the solver then forgets what it is told.
+        """A row so long after a time (s), unless other events follow at that time; the solver then discards the step.
 
-        The wrenches of that step; None where it does not converge.
+        Returns the wrenches of that step; None if it does not converge.
         """
         solver = self._solver
         found = self.observe_after(time, after)

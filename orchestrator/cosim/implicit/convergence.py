@@ -57,10 +57,10 @@ class Solution(NamedTuple):
 
 @dataclass(slots=True)
 class Tolerance:
-    """When the correction of the wrenches is small: relative to the largest force and torque, and to these.
+    """Convergence limits of the correction of wrenches: relative to the largest force and torque, and to these.
 
-    residual: of this many tolerances, it tells that a larger correction is rounding, as are those between joints that
-    constrain a loop more than once.
+    residual: below this many tolerances a larger correction is round-off, as between joints that constrain a loop more
+    than once.
     """
 
     relative: float

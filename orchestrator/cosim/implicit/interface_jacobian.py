@@ -61,7 +61,7 @@ def jacobian_block(
 class Matrices:
     """Blocks of all bodies or of all connections.
 
-    addresses (participants, 2): of every matrix and its axes; zeros: numbers of those that are zero.
+    addresses (participants, 2): of every matrix and its axes; zeros: numbers of zero matrices.
     """
 
     def __init__(self, blocks: Iterable[JacobianBlock]) -> None:

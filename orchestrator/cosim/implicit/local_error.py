@@ -1,7 +1,7 @@
-"""The local error of a coupled step, from how far its wrenches bend; what coupling/prediction.h does for FMUs.
+"""Local error of a coupled step from the curvature of its wrenches; coupling/prediction.h computes it for FMUs.
 
-The mean over a step of size h errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work of such
-wrenches on the motion they cause, over an energy, is the square of a relative error in velocity.
+The mean over a step of size h errs by a twelfth of h^2 u'', less the part that slopes cover. The work of such wrenches
+on the motion that they cause, over an energy, is the square of a relative error in velocity.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NO_LOAD = 1e-6
 
 
 class WeightedLoad(NamedTuple):
-    """A torque, or a force, along an axis fixed in a port of a connection, judged beside an energy of its own.
+    """A torque, or a force, along an axis fixed in a port of a connection, weighted by an energy of its own.
 
     connection, port: by number, the port within the connection; row: of its first component in the unknown; axis
     (3,): in the axes of the port, unit length; weight: 1 over (2 effective inertia x energy), 1/(kg.m2.J), or mass.

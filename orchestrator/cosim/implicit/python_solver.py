@@ -171,9 +171,9 @@ class PythonSolver(Solver):
         return little and (last <= 1.0 or self._agrees(residual, scale))
 
     def _agrees(self, residual: Vector, scale: Vector) -> bool:
-        """Whether residuals are as small as the accuracy asked of the recorded loads, or as rounding lets them be.
+        """Whether residuals are within the accuracy of the recorded loads, or are round-off.
 
-        A stiff joint turns a small correction into a residual that is large beside it.
+        A stiff joint turns a small correction into a large residual.
         """
         return bool(np.all(np.abs(residual) <= np.maximum(convergence.AGREED * scale, self._round_off)))
 

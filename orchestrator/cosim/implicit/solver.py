@@ -27,10 +27,10 @@ _SMALLEST_SHARE = 1e-3
 class Solver(ABC):
     """Solves coupled steps from the participants' saved states and leaves them stepped.
 
-    `wrenches` holds the solution of the last solve, `accepted` that of the last accepted step. `mode` tells
-    mobilities of different parameter sets apart (static against dynamic). `persistent` asks for a slow
-    damped iteration before giving up, where the step cannot be made smaller. `observations` are those of the
-    last `observe`, one participant's after the other's, and a zero.
+    `wrenches` is the solution of the last solve, `accepted` that of the last accepted step. `mode` identifies the set
+    of parameters of the mobilities (static or dynamic). `persistent` requests a slow damped iteration before giving up,
+    if the step cannot be made smaller. `observations` are those of the last `observe`, in the order of the
+    participants, followed by a zero.
     """
 
     def __init__(self, network: Network, tolerance: Tolerance) -> None:
@@ -49,7 +49,7 @@ class Solver(ABC):
 
     @abstractmethod
     def costs(self) -> tuple[int, float]:
-        """Sweeps made so far, and time (s) inside FMUs as far as they were not called one by one."""
+        """Sweeps so far, and time (s) inside FMUs that the C loop called."""
 
     @abstractmethod
     def sweep(self, time: float, h: float) -> None:
@@ -81,14 +81,14 @@ class Solver(ABC):
 
     @abstractmethod
     def error_square(self, time: float, h: float, energy: float) -> float | None:
-        """Square of the relative error of the step solved last, see `local_error`; None with too few steps before.
+        """Square of the relative error of the last solved step, see `local_error`; None with too few steps before.
 
-        energy (J): what errors of the whole motion are judged beside.
+        energy (J): reference energy of the whole motion.
         """
 
     @abstractmethod
     def watch(self, watched: Sequence[WeightedLoad]) -> None:
-        """Judge these torques beside energies of their own from now on, and no others."""
+        """From now on weight these torques, and no others, by energies of their own."""
 
     @abstractmethod
     def observe(self, time: float) -> Energies:
@@ -212,7 +212,7 @@ class Solver(ABC):
         return solution
 
     def _search(self, time: float, h: float, direction: Vector, scale: Vector) -> Vector | None:
-        """Go along a correction as far as the next one, by the same matrices, is smaller; residual there."""
+        """Line search along a correction until the next one, by the same matrices, is smaller; the residual there."""
         start, share, size = self.wrenches.copy(), 1.0, float(np.abs(direction / scale).max())
         residual = None
         while share > _SMALLEST_SHARE:

@@ -68,7 +68,7 @@ def described_in(folder: Path) -> Described:
 
 
 def _with_roles(layout: Layout, annotation: ElementTree.Element | None) -> Layout:
-    """The observations with the roles that the annotation tells of."""
+    """The observations with their roles from the annotation."""
     said = [] if annotation is None else annotation.findall(".//Observation")
     roles = {one.get("name", ""): one.get("role", "") for one in said}
     return Layout(replace(q, role=roles.get(q.name, "")) for q in layout.quantities)

@@ -35,7 +35,7 @@ class Matrix(Structure):
 
 
 class Watched(Structure):
-    """A torque that is judged beside an energy of its own, see implicit/local_error.py."""
+    """A torque weighted by an energy of its own, see implicit/local_error.py."""
 
     _fields_ = fields("Watched")
 
@@ -97,13 +97,13 @@ class Led(Structure):
 
 
 class NeighbourData(Structure):
-    """A run beside another one."""
+    """A neighbouring run."""
 
     _fields_ = fields("Neighbour", RowBlock=RowBlock)
 
 
 class NeighboursData(Structure):
-    """All runs beside one."""
+    """All neighbours of a run."""
 
     _fields_ = fields("Neighbours")
 

@@ -1,1 +1,1 @@
-"""Runs beside a run, with parameters that differ a little: derivatives through all of its steps and events."""
+"""Neighbouring runs with slightly different parameters: derivatives through all steps and events of a run."""

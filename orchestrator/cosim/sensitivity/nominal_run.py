@@ -1,4 +1,4 @@
-"""The master that takes neighbours along: they make every step that it accepts, and meet every event that it meets."""
+"""Master of a nominal run with neighbours, which make all its accepted steps and have all its events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run beside another one: it makes the other's steps, and meets its own events where they come for it."""
+"""A neighbouring run: it makes the steps of the nominal run, and has its events at its own times."""
 
 from __future__ import annotations
 

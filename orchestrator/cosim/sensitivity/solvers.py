@@ -1,6 +1,6 @@
-"""Solvers of a leader and of its neighbours, whose steps start from what the leader's came to and end beside it.
+"""Solvers of a nominal run and its neighbours, whose steps start from the solution of the nominal step.
 
-A neighbour takes the leader's factors, and the residual that its iteration left; see `coupling/neighbours.h`.
+A neighbour uses the factorisation of the nominal run and the residual of its iteration; see `coupling/neighbours.h`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Solved:
 
 
 class LeadingSolver(NativeSolver):
-    """Tells its neighbours of the steps that it solves."""
+    """Passes the steps that it solves to its neighbours."""
 
     def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
         super().__init__(*arguments)
@@ -63,7 +63,7 @@ class LeadingSolver(NativeSolver):
 
 
 class NeighbourSolver(NativeSolver):
-    """Solves steps beside a leader's, and what events ask for as any other."""
+    """Solves the steps of the nominal run for a neighbour, and its own steps at events."""
 
     def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
         super().__init__(*arguments)
@@ -109,4 +109,4 @@ class PerturbedRuns:
         if at < len(self._solvers):
             one = self.each[at]
             words = "its wrenches do not converge" if one.astray else self._solvers[at].words(time, one.h)
-            raise AstrayError(f"at t = {time:.6g} s a run beside this one cannot follow it ({words})")
+            raise AstrayError(f"at t = {time:.6g} s a neighbouring run cannot follow ({words})")

@@ -19,12 +19,11 @@ _REACHED = 1e-9  # s, what sums of step sizes may leave
 
 
 class SignalExchange:
-    """Takes FMUs through time beside the participants, each from one of its communication points to the next.
+    """Steps FMUs with signals together with the participants, each from one of its communication points to the next.
 
-    An FMU steps when the participants have come to the end of its step, with the inputs that they have there; what it
-    gives then acts on them from there on. Those that are iterated take every step of the participants instead, see
-    `iteration`. observations: of all participants in order. bodies: names of those that are bodies. values: what is
-    recorded, see `recorded`.
+    An FMU steps when the participants have reached the end of its step, with the inputs there; its outputs act on them
+    from then on (zero-order hold). Iterated FMUs make every step of the participants instead, see `iteration`.
+    observations: of all participants in order. bodies: names of the bodies. values: recorded signals, see `recorded`.
     """
 
     def __init__(
@@ -55,7 +54,7 @@ class SignalExchange:
 
     @property
     def longest_step(self) -> float:
-        """Step (s) that FMUs which are iterated may be taken over at the most."""
+        """Largest step (s) of iterated FMUs."""
         return inf if self._iteration is None else self._iteration.longest_step
 
     def solve(self, solver: Solver, time: float, h: float, tolerance: float) -> Solution:

@@ -105,7 +105,7 @@ class Host:
         return status
 
     def _terminates2(self) -> bool:
-        """Whether it has to end, as far as it says so."""
+        """Whether it reports that it has to end."""
         try:
             return bool(self._fmu.getBooleanStatus(fmi2Terminated))
         except Exception:

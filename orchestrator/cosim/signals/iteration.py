@@ -101,7 +101,7 @@ class Iteration:
         return solution, np.where(acts, np.concatenate(means) - loads, 0.0)
 
     def _corrected(self, apart: Vector, solver: Solver, time: float, h: float) -> tuple[Solution, Vector]:
-        """The step under better loads; derivatives are brought up to what it tells."""
+        """The step under corrected loads; it updates the derivatives."""
         assert self._derivatives is not None
         change = np.linalg.lstsq(self._derivatives, -apart)[0]
         solution, after = self._made(self._loads + change, solver, time, h, solver.wrenches.copy())

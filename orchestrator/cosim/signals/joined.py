@@ -90,9 +90,9 @@ class Participants:
 
 
 class JoinedFmu:
-    """One FMU, what it is given by participants, and what it sets of them; its signals go into `values`.
+    """One FMU, its inputs from participants, and the parameters that it sets; its signals go into `values`.
 
-    What of its outputs is an impulse beside the load that it sets, sets what it has grown by in a step, over the step.
+    An output that is the impulse of a load sets its growth over a step, divided by the step.
     """
 
     def __init__(self, process: SignalProcess, participants: Participants, values: Vector) -> None:
@@ -147,7 +147,7 @@ class JoinedFmu:
         self.accept(given)
 
     def means(self, given: Mapping[str, float], h: float) -> Vector:
-        """Of what its outputs set, over a step h (s) that ends with these: of both ends, or what an impulse tells."""
+        """Means of its outputs over a step h (s) that ends with these: of both ends, or from impulses."""
         return np.array(
             [
                 self._growth(s, given) / h

@@ -1,4 +1,4 @@
-"""Start the process of an FMU that has signals, and ask it; what becomes of it is told by name and time."""
+"""The process of an FMU with signals: start, requests, and failures with name and time."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class DiscardedStepError(ParticipantError):
 
 
 class SignalProcess:
-    """An FMU in a process of its own; a context manager. ParticipantError where it fails, crashes or hangs.
+    """An FMU in its own process; a context manager. ParticipantError if it fails, crashes or hangs.
 
-    tolerance: relative accuracy that it is told to have. longest_call: time (s) after which a call that has not come
-    to its end is taken to hang. seconds: of wall time that it was waited for.
+    tolerance: relative accuracy passed to the FMU. longest_call: time (s) after which a call counts as hanging.
+    seconds: wall time spent waiting for it.
     """
 
     def __init__(self, fmu: SignalFmu, tolerance: float, longest_call: float = LONGEST_CALL) -> None:

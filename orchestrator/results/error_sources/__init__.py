@@ -1,1 +1,1 @@
-"""What tells how far peaks of a run are off: its own rows, and those of a companion."""
+"""Sources of errors of peaks: the rows of a run, and those of its companion."""

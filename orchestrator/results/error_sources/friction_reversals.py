@@ -1,8 +1,8 @@
-"""How far beyond a peak a load reaches where friction reverses between two rows.
+"""Error of a load peak where friction reverses between two rows.
 
-A line turns round in its latch or end stop where it is pressed in most, and its friction with it, within less than a
-step: the load has a step beside its peak, which rows of a run and of its companion miss alike. Rows before it and rows
-after it tell how far it may go on on their sides.
+A line reverses in its latch or end stop at the largest compression, and its friction with it, within less than a step.
+So the load has a jump next to its peak, which the rows of a run and of its companion both miss. Extrapolation of the
+rows on either side bounds it.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def _reversing(frictions: Vector) -> Vector:
 
 
 def _beyond(time: Vector, load: Vector, most: Vector, top: float) -> float:
-    """How far a load may pass a height inside intervals, of which each side tells, by no more than friction makes."""
+    """Excess of a load over a height inside intervals, by extrapolation from both sides, limited by the friction."""
     places = np.flatnonzero((most > 0.0) & (np.maximum(load[:-1], load[1:]) + most > top))
     found = 0.0
     for i in places[(places >= _SIDE - 1) & (places + _SIDE < time.size)].tolist():

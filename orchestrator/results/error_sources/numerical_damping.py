@@ -1,8 +1,8 @@
-"""How far beyond a peak of a load a ringing reaches that the steps of a run have damped, and nothing else.
+"""Error of a load peak due to numerical damping of a vibration.
 
-Joints without damping ring to the end of a run once a motor or a latch has stirred them. Steps that are some part of a
-swing damp them within hundreds of swings, a companion with steps twice as long within far fewer; once it has gone, both
-take long steps and tell the same peak without it. What joints, friction or latches damp fades in both alike.
+Joints without damping vibrate to the end of a run once a motor or a latch has excited them. Steps of a fraction of a
+period damp them within hundreds of periods, a companion with doubled steps within far fewer. Once the vibration has
+decayed, both take long steps and record the same peak without it. Physical damping decays alike in both.
 """
 
 from __future__ import annotations
@@ -114,6 +114,6 @@ def _turned(result: Result) -> Vector:
 
 
 def _steps(time: Vector) -> Vector:
-    """The longer one of both steps beside each row."""
+    """The longer one of the two steps adjacent to each row."""
     steps = np.diff(time, prepend=time[0], append=time[-1])
     return np.maximum(steps[:-1], steps[1:])

@@ -1,7 +1,7 @@
-"""How far apart two runs of a scene are around what one of them promises, where one difference alone is chance.
+"""Difference of two runs around a peak, because the difference of the peaks alone may be small by chance.
 
-Peaks of two runs that ring with other phases are alike as often as not, and so are two rates at the instant of a
-latch-up. What they differ by in the rows around is not.
+Two peaks of vibrations with different phases often agree by chance, and so do two rates at a latch-up. The rows around
+them do not.
 """
 
 from __future__ import annotations

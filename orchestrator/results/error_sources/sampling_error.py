@@ -1,11 +1,10 @@
-"""What of a peak hangs on where communication steps happened to end, told by the rows of a run alone.
+"""Error of a peak due to the instants at which communication steps end, from the rows of a run alone.
 
-A companion with longer steps sees three things by chance only. The peak of a ringing that steps do not resolve is the
-row that came nearest to it: without every other row it is another one. Where an event starts a motion that is over
-within two steps, what stood out between rows may have been higher than the peak that the run tells, at another time;
-so with a damped stop that is struck. And a line latches with the rates that its hinges have at one instant: where
-bodies ring within a step, these are off those at which the angles of the last steps arrive, and the damping of the
-latch makes a torque of them at once.
+A companion with longer steps detects three errors only by chance. The peak of an unresolved vibration is the row
+nearest to it; without every other row it is another one. A transient after an event may end within two steps, and its
+peak between rows may exceed the recorded one; so with a damped stop at contact. And a line latches with the rates of
+its hinges at one instant: if bodies vibrate within a step, these rates differ from the mean rates over the last steps,
+and the damping of the latch turns the difference into a torque at once.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from components.contract.roles import INTERFACE_LOAD
 
 from ...assembly import HingeLine
 from ..estimated_errors import OF_CONTACTS, OF_STOPS, EstimatedError, Key
-from ..key_figures import highest_of, latch_times, line_latch_torque, loads, peak_of
+from ..key_figures import latch_times, line_latch_torque, loads, max_of, peak_of
 from ..latch_impulse import latch_impulse
 from ..peaks import extremes, jumps
 from ..point_loads import point_loads
@@ -92,11 +91,11 @@ def hidden_excess(time: Vector, values: Vector, events: list[float]) -> float:
 
 
 def latching_rate_error(result: Result, line: HingeLine) -> float:
-    """How far a line's torque peak (N.m) moves with the rates at which the angles of its hinges arrive at latch-up.
+    """Change of a line's torque peak (N.m) with the mean rates of its hinges over the last steps before latch-up.
 
-    Without ringing these are the rates themselves, to the second order of the last steps. They matter as far as a
-    hinge still turns at its peak: that of a damper follows the rate, that of a swing comes when it has gone. 0 where
-    other events leave fewer than two steps.
+    Without vibrations these equal the rates, to the second order of the last steps. The change counts only if a hinge
+    still rotates at its peak: a damper torque follows the rate, a spring torque peaks at zero rate. 0 if other events
+    leave fewer than two steps.
     """
     rows = _steps_before(result, latch_times(result)[line.name])
     torque = np.abs(line_latch_torque(result, line))
@@ -132,7 +131,7 @@ def _steps_before(result: Result, at: float) -> list[int]:
 
 
 def judged_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
-    """Signals (N,) whose largest magnitudes a run tells with errors, by headline number."""
+    """Signals (N,) whose peaks are headline numbers with errors, by headline number."""
     times = latch_times(result)
     for line in result.hinge_lines:
         if line.name in times and latch_impulse(result, line, times[line.name]) is None:
@@ -144,7 +143,7 @@ def judged_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
         if peak_of(label) == OF_STOPS:
             yield (OF_STOPS, component), torque
     for component, label, force in loads(result, "N"):
-        if highest_of(label) == OF_CONTACTS:
+        if max_of(label) == OF_CONTACTS:
             yield (OF_CONTACTS, component), force
     yield from point_loads(result)
 

@@ -1,7 +1,7 @@
-"""How far beyond a peak a load may reach where a run and its companion have come apart.
+"""Error of a load peak where a run and its companion diverge.
 
-Motion that hangs on small differences, such as of a linkage that swings through its flat position, leads two runs apart
-long after their peaks agree. What either of them shows there is no more than one of many courses.
+Motion that is sensitive to small differences, such as a linkage that swings through its flat position, separates two
+runs long after their peaks agree. Each of them then is one of many possible trajectories.
 """
 
 from __future__ import annotations
@@ -67,6 +67,6 @@ def _largest(time: Vector, heights: Vector, edges: Vector, end: float) -> Vector
 
 
 def _stretches(halves: Vector) -> tuple[Vector, Vector]:
-    """Of every two neighbours the larger, and the largest of these and of what is beside them."""
+    """The larger of every two neighbours, and the largest of these and of adjacent ones."""
     wide = sliding_window_view(np.pad(halves, _BESIDE), 2 * _BESIDE + 2)
     return sliding_window_view(halves, 2).max(axis=1), wide.max(axis=1)

@@ -274,7 +274,7 @@ def _told_of(line: HingeLine) -> Iterator[Quantity]:
 def _peaks(
     names: Sequence[str], layouts: Sequence[Layout], lines: Sequence[HingeLine]
 ) -> Iterator[tuple[Peak, Quantity]]:
-    """Latch torques of lines and loads of components, whose largest sizes are told."""
+    """Latch torques of lines and loads of components, whose peaks are recorded."""
     firsts = dict(zip(names, np.cumsum([0, *(layout.size for layout in layouts)]).tolist(), strict=False))
     of_names = dict(zip(names, layouts, strict=True))
     for line in lines:

@@ -62,8 +62,8 @@ def _with_driven_base(assembly: Assembly) -> Assembly:
     """The same on a base that is driven in place of the fixed one."""
     if carried := [part.name for part in assembly.parts if part.structure.get("carried")]:
         raise RunError(
-            f"{assembly.name}: {carried[0]} carries bodies by held hinge lines, and the loads that a driven base tells "
-            "would lack their inertia; hold these lines by hinges of the preset fixed, a [[connection]], instead"
+            f"{assembly.name}: {carried[0]} carries bodies by held hinge lines, and loads of a driven base would "
+            "lack their inertia; replace these lines by a [[connection]] with the preset fixed"
         )
     parts = [
         replace(part, kind=DRIVEN, structure={"ports": part.structure["ports"]})

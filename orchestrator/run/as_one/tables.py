@@ -50,7 +50,7 @@ class Command(NamedTuple):
 
 
 class Peak(NamedTuple):
-    """A load whose largest size is told: places among what is recorded, of numbers to add up or of components."""
+    """A load whose peak is recorded: indices of the observations of its summands, or of its components."""
 
     places: Sequence[int]
     is_sum: bool

@@ -37,11 +37,11 @@ def scene_schema() -> Schema:
     root: Schema = {
         "extends": {
             "type": "string",
-            "description": "Scene, or file beside this one, over which this file is laid.",
+            "description": "Scene, or file next to this one, that this file is applied over.",
         },
         "variant": {
             "type": "object",
-            "description": "By name, what a variant lays over the scene: any tables of it.",
+            "description": "By name, tables that a variant changes.",
             "additionalProperties": variant,
         },
     }

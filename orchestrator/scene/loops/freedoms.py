@@ -17,6 +17,7 @@ from scipy.linalg import qr
 from components.contract.frames import rotate, subtract
 
 from ...messages import message
+from ...records import short_repr
 from ..bodies import StartPose, motions, scene_points, written_poses
 from ..schema import CheckedScene
 from .constraints import Constraint, Matrix, constraints, hinge_constraints
@@ -28,6 +29,7 @@ _AWAY = 0.01
 _NO_LINE = 1e-6
 
 
+@short_repr
 @dataclass(frozen=True, slots=True)
 class Constraints:
     """Bodies that can move, and the constraints of joints on them.

@@ -32,14 +32,14 @@ def draw_plates(result: Result) -> Iterator[tuple[str, str, Figure]]:
         stress = stress_of(result, body)
         if stress is None:
             continue
-        words = f"{body} when it is deformed most, at {result.time[found.row]:.4g} s, against its own frame"
+        words = f"{body} at its largest deformation, at {result.time[found.row]:.4g} s, relative to its frame"
         yield f"{body}_shape", f"{words}.", _shape(result, body, found.row, words)
         spots = ", ".join(
             f"{spot.stress / 1e6:.1f} MPa at ({1e3 * spot.position[0]:.0f}, {1e3 * spot.position[1]:.0f}) mm, "
             f"{spot.time:.3f} s"
             for spot in stress.hot_spots[:3]
         )
-        caption = f"Peak von Mises stress of {body}, hot spots {1e3 * _APART:g} mm apart: {spots}, and so on."
+        caption = f"Peak von Mises stress of {body}, hot spots {1e3 * _APART:g} mm apart: {spots}, ..."
         yield f"{body}_stress_field", caption, field_figure(stress)
         yield f"{body}_stress_histories", f"Von Mises stress of {body} over time.", hottest_figure(stress)
 

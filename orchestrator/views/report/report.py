@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 
 from ...analysis.motion.deflection import quiet
+from ...messages import is_note
 from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
 from ...results.earlier import SETTINGS
@@ -61,7 +62,7 @@ def _numbers(result: Result, found: Headline) -> Iterator[str]:
     columns = ("quantity", "of", "value", "unit", "estimated error")
     yield table(columns, headline_rows(found), numeric=(2, 4))
     for sentence in dict.fromkeys((*result.stored_messages, *found.open_ends(), *found.warnings)):
-        yield paragraph(f"Warning: {sentence}.", "warning")
+        yield paragraph(f"{'Note' if is_note(sentence) else 'Warning'}: {sentence}", "warning")
     if waits := [one.sentence(float(result.time[-1])) for one in quiet(result)]:
         yield heading("After the prescribed motion")
         yield from (paragraph(f"{sentence}.") for sentence in waits)
@@ -73,9 +74,7 @@ def _numbers(result: Result, found: Headline) -> Iterator[str]:
         for one in event_loads(result)
     ]
     if loads:
-        yield paragraph(
-            "What each joint carried at the most in the second before an event and in the one after:"
-        )
+        yield paragraph("Peak joint loads within 1 s before and after each event:")
         headings = ("time, s", "joint", "before", "after", "after / before", "unit")
         yield table(headings, loads, numeric=(0, 2, 3, 4))
 
@@ -122,7 +121,7 @@ def _together(results: Sequence[Result]) -> Iterator[str]:
     names = {f"{chr(ord('A') + k)}, {_file(one)}": one for k, one in enumerate(results)}
     drawn = [picture(figure, f"together_{name}", caption) for name, caption, figure in overlays(names)]
     if drawn:
-        yield heading("Prescribed motions over each other")
+        yield heading("Prescribed motions, overlaid")
         yield from drawn
 
 
@@ -136,15 +135,15 @@ def _comparison(result: Result, other: Result, prefix: str) -> Iterator[str]:
     if not other.complete:
         yield paragraph(f"The run of B was interrupted at {other.time[-1]:.6g} s.", "warning")
     if note := scene_note(result, other):
-        yield paragraph(f"Warning: {note}.", "warning")
+        yield paragraph(f"Warning: {note}", "warning")
     if note := end_note(result, other, names):
-        yield paragraph(f"{note}.")
+        yield paragraph(note)
     rows = [(row.quantity, row.of, *cells(row)) for row in found.rows]
     headings = ("quantity", "of", "A", "B", "B / A", "at A, s", "at B, s", "shift, s", "unit")
     yield table(headings, rows, numeric=range(2, 8))
     for name, signals in zip(names, (found.only_a, found.only_b), strict=True):
         for component, variables in by_component(signals).items():
-            yield paragraph(f"Only {name} has {component}: {', '.join(variables)}.")
+            yield paragraph(f"Only in {name}: {component}: {', '.join(variables)}.")
     for name, caption, figure in draw_comparison(result, other):
         yield picture(figure, f"{prefix}_{name}", caption)
 
@@ -158,9 +157,9 @@ def _provenance(result: Result) -> Iterator[str]:
     bodies = [(words, _names(known.get(fidelity, "[]"))) for fidelity, words in _FIDELITIES.items()]
     versions = [(name, text) for name, text in known.items() if name not in _SCENE]
     statistics = [(name.replace("_", " "), f"{value}") for name, value in result.statistics.items()]
-    yield table(("what", "value"), [*bodies, *versions, *statistics])
+    yield table(("property", "value"), [*bodies, *versions, *statistics])
     tree = _scene_tree(result)
-    yield folded("scene, all layers merged", _indented(tree) or known.get("scene", ""))
+    yield folded("resolved scene file", _indented(tree) or known.get("scene", ""))
     if digests:
         text = "\n".join(f"{name.removeprefix(_DIGEST)}  {digest}" for name, digest in digests.items())
         yield folded("SHA-256 of the FMUs", text)

@@ -23,7 +23,9 @@ def format_of(path: Path, asked: str | None) -> str:
         )
     meant = next((name for name, ending in ENDINGS.items() if path.suffix.lower() == ending), None)
     if meant is None and asked is None:
-        raise ResultError(f"{path}: its ending tells no format; formats with their endings are {known}")
+        raise ResultError(
+            f"{path}: its suffix is of no known format; formats with their suffixes are {known}"
+        )
     if asked is not None and meant != asked:
         series = ", which opens the series of VTU files beside it" if asked == "vtu" else ""
         raise ResultError(f"{path}: a file of the format {asked} ends with {ENDINGS[asked]}{series}")

@@ -197,7 +197,7 @@ def test_the_command_says_which_base(tmp_path):
         for base in ("as-built", "held")
     }
     assert "base free" in shown["as-built"]
-    assert "effective mass" in " ".join(shown["as-built"].split())
+    assert "--base held" in " ".join(shown["as-built"].split())
     assert "rx" not in shown["as-built"]
     assert "base held" in shown["held"]
     assert "rx" in shown["held"]

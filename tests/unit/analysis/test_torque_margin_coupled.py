@@ -14,7 +14,7 @@ from orchestrator.analysis.torque_margin.standard import FACTORS
 from orchestrator.cli.main import main
 from orchestrator.cli.torque_margin_table import margin_sentences
 from orchestrator.scene import find_scene, load_scene
-from orchestrator.validity.before_run import doubts
+from orchestrator.validity.before_run import scene_warnings
 from tests.unit.analysis.friction_balances import BALANCES, balance_scene
 
 
@@ -28,7 +28,7 @@ def test_margin_and_start_warning_agree(balance):
     factor = 1.01 if balance.opens else 0.99
     by_sum = found.margins[0]
     assert by_sum.margin[by_sum.worst] == pytest.approx(factor / 3.0, rel=1e-6)
-    told = [one for one in doubts(scene) if "stop there" in one or "stops there" in one]
+    told = [one for one in scene_warnings(scene) if "W-motor-short" in one]
     assert len(told) == (0 if balance.opens else 1)
     held = [one for one in margin_sentences(torque_margin({"base": scene}, 3)) if "without factors" in one]
     assert len(held) == len(told)
@@ -77,7 +77,9 @@ def test_amos3_is_judged_by_its_lines_together():
 def test_the_start_warning_is_the_same_at_every_fidelity(fidelity):
     """Rule: torques about lines do not depend on how bodies bend."""
     bodies = [f"body.{name}.fidelity={fidelity}" for name in ("yoke", "panel1", "panel2")]
-    (told,) = doubts(load_scene(find_scene("amos3"), (), [*bodies, "hinge_line.HL3.friction_preload=5 N.m"]))
+    (told,) = scene_warnings(
+        load_scene(find_scene("amos3"), (), [*bodies, "hinge_line.HL3.friction_preload=5 N.m"])
+    )
     assert all(
         part in told for part in ("hinge_line.HL1: ", " HL2 and HL3", " 1 : 2 : 2", " 0 deg ", " 8.872 N.m")
     )

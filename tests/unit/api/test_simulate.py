@@ -248,7 +248,7 @@ def test_verification_of_a_run(result):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rows = {row.number.quantity: row for row in result.verify()}
-    assert rows["motor energy"].error < 1e-2 * rows["motor energy"].number.value
+    assert rows["motor work"].error < 1e-2 * rows["motor work"].number.value
     with pytest.raises(fanfold.FanfoldError, match="verified"):
         fanfold.Result.of(result).verify()
 

@@ -11,7 +11,7 @@ from components import REGISTRY, Instance
 from orchestrator.analysis.scene_check import check_scene
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError
-from orchestrator.validity.before_run import doubts
+from orchestrator.validity.before_run import scene_warnings
 from orchestrator.views.shapes import placed
 from tests.unit.scene.scene_cases import parts_of
 
@@ -188,7 +188,7 @@ def test_all_three_open_alike_and_pictures_follow_the_nodes():
 )
 def test_units_mistyped(key, value, sentence):
     """Closed form: a thin tube of diameter d has sqrt(12 EI / EA) = d sqrt(3 / 2); 4.73^2 sqrt(EI / m L^4) / 2 pi."""
-    told = doubts(boom().with_settings({f"body.boom.beam.tube.{key}": value}).check())
+    told = scene_warnings(boom().with_settings({f"body.boom.beam.tube.{key}": value}).check())
     beams = [one for one in told if one.startswith("body.boom")]
     assert len(beams) == (sentence is not None)
     if sentence is not None:

@@ -64,4 +64,4 @@ def test_what_a_thruster_puts_in_is_no_energy_of_motors():
         sum(np.ptp(result.signal(name, "motor_energy")) for name in ("h1", "h2")), rel=1e-6
     )
     assert told.supplied_energy == pytest.approx(result.signal("thruster", "supplied_energy")[-1], rel=1e-9)
-    assert any(number.quantity == "energy put in" for number in told.numbers())
+    assert any(number.quantity == "external work" for number in told.numbers())

@@ -182,7 +182,7 @@ def test_doubts_name_what_is_off_by_ten_tolerances():
         (("latch torque peak", "L1"), 100.0),
         (("interface force peak", "x"), 1000.0),
         (("interface force peak", "y"), 0.01),
-        (("motor energy", ""), 1.0),
+        (("motor work", ""), 1.0),
         (("latch torque peak", "L2"), 5.0),
     ]
     most = (0.5e-3, 2.0, 0.1, 0.009, 0.5)
@@ -230,7 +230,7 @@ def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():
     ("quantity", "of", "values", "most", "told"),
     [
         (
-            "contact force highest", ("pad0", "pad1", "pad2"), (100.0, 5.0, 9.0), (4.0, 0.5, 2.0),
+            "contact force max", ("pad0", "pad1", "pad2"), (100.0, 5.0, 9.0), (4.0, 0.5, 2.0),
             "pad0, pad2",
         ),
         (

@@ -10,9 +10,9 @@ from orchestrator.results.identifiers import identifier, in_order
     [
         ("latch time", "HL1", "latch_time.HL1"),
         ("interface force magnitude peak", "", "interface_force_peak"),
-        ("numerical dissipation", "", "numerical_loss"),
-        ("tension a lowest", "loop", "tension_a_min.loop"),
-        ("contact force highest", "pad", "contact_force_max.pad"),
+        ("numerical energy loss", "", "numerical_loss"),
+        ("strand A tension min", "loop", "tension_a_min.loop"),
+        ("contact force max", "pad", "contact_force_max.pad"),
     ],
 )
 def test_of_headline_numbers(quantity, of, expected):

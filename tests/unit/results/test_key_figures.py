@@ -149,16 +149,16 @@ def test_round_off_reads_zero_and_absent_forces_are_left_out(found):
     noisy = replace(found, interface_force_peaks=(200.0, 1.2e-9, 0.03), force_extremes={"loop": forces})
     shown = {(quantity, of): value for quantity, of, value, *_ in headline_rows(noisy)}
     assert [shown["interface force peak", axis] for axis in "xyz"] == ["200", "0", "0.03"]
-    assert shown["tension a lowest", "loop"] == "0"
+    assert shown["strand A tension min", "loop"] == "0"
     assert not [key for key in shown if key[0].startswith("lateral")]
 
 
 def test_motor_energy_says_until_when(found):
     def until(headline):
-        return next(of for quantity, of, *_ in headline_rows(headline) if quantity == "motor energy")
+        return next(of for quantity, of, *_ in headline_rows(headline) if quantity == "motor work")
 
     assert until(found).endswith("latch-up")
-    assert until(replace(found, latch_times={})) == "over the run"
+    assert until(replace(found, latch_times={})) == "whole run"
 
 
 def test_scene_without_anything_to_judge_gives_an_empty_headline(tmp_path):

@@ -64,7 +64,7 @@ def test_kinds_of_loads_have_a_row_each(found):
 def test_a_slack_strand_has_its_time(found):
     slack = replace(found, slack=(Slack("loop", "tension_a", 4.9, 10.0),))
     (row,) = (row for row in short_rows(slack) if row.quantity == "slack")
-    assert (row.value, row.note) == ("4.9 s to 10 s", "loop a")
+    assert (row.value, row.note) == ("4.9 s to 10 s", "loop A")
 
 
 def test_a_scene_without_lines_has_its_end_and_what_it_has(tmp_path):

@@ -99,8 +99,8 @@ def test_attitude_is_told(light):
     shown = {(row.quantity, row.of): row.value for row in light.headline.numbers()}
     largest = np.abs(attitude[:, 1]).max()  # of samples; the peak lies between two
     assert largest <= shown["attitude peak", "y"] < largest * (1.0 + 1e-5)
-    assert shown["attitude at the end", "y"] == attitude[-1, 1]
-    assert shown["port force peak", "hinge_left"] > 0.0
+    assert shown["final attitude", "y"] == attitude[-1, 1]
+    assert shown["attachment force peak", "hinge_left"] > 0.0
 
 
 def test_a_heavy_spacecraft_is_a_fixed_one():

@@ -71,8 +71,8 @@ def test_errors_of_a_locks_torque_are_not_told():
     errors, hinge = found.headline.estimated_errors, "hinge_plus"
     assert ("latch impulse", "plus") in errors
     assert ("lock torque peak", "plus") not in errors
-    assert ("port force peak", hinge) in errors
-    assert ("port torque peak", hinge) not in errors
+    assert ("attachment force peak", hinge) in errors
+    assert ("attachment torque peak", hinge) not in errors
 
 
 def chain():

@@ -77,6 +77,6 @@ def test_a_pin_carries_no_moment_from_the_start(case):
 
 def test_what_falls_to_hang_before_the_start_is_told():
     """Statics: it hangs; the strip beside it is none the worse."""
-    with pytest.warns(fanfold.FanfoldWarning, match="bob .*30 deg .*W-preload"):
+    with pytest.warns(fanfold.FanfoldWarning, match="bob starts 30 deg .*W-preload"):
         result = fanfold.simulate(beside(propped(), 0.5), estimate=False)
     assert -STIFFNESS * result.signal("prop", "distance")[0] == pytest.approx(HALF_WEIGHT, rel=1e-3)

@@ -76,7 +76,7 @@ def ratios(verified, *quantities):
 
 def test_estimated_error_of_smooth_quantities(verified):
     """Done-when 4: within a factor 2 of the true error, here a run with other steps and 20 times its accuracy."""
-    found = ratios(verified, "latch time", "motor energy")
+    found = ratios(verified, "latch time", "motor work")
     assert len(found) == 2
     assert all(0.5 < ratio < 2.0 for ratio in found.values()), found
 
@@ -91,7 +91,7 @@ def test_estimated_error_of_peaks(verified):
 def test_observed_order_is_two(verified):
     """Convergence: what the scheme promises, seen in the verification's own three runs."""
     _, found, _ = verified
-    orders = [v.order for v in found if v.number.quantity in ("latch time", "motor energy")]
+    orders = [v.order for v in found if v.number.quantity in ("latch time", "motor work")]
     assert orders == pytest.approx([2.0, 2.0], abs=0.2)
 
 
@@ -133,7 +133,7 @@ def test_latch_up_that_a_finer_run_does_not_reach(tmp_path):
     quantities = [v.number.quantity for v in verify(
         assembly, replace(outcome, headline=early), settings, 0.02)]  # fmt: skip
     assert "latch time" not in quantities
-    assert "motor energy" in quantities
+    assert "motor work" in quantities
 
 
 def test_explicit_run_is_not_verified(tmp_path):

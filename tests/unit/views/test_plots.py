@@ -110,7 +110,7 @@ def test_loads_of_a_kind_nobody_thought_of_are_drawn(result):
 def test_all_that_is_dissipated_has_a_cause(result):
     """Sum over causes against the total of all components, without what the scheme took."""
     causes = dict(plots.dissipated_by_cause(result))
-    scheme = causes.pop("the scheme")
+    scheme = causes.pop("numerical loss")
     total = result.signal("scene", "dissipated_energy")
     np.testing.assert_allclose(sum(causes.values()), total - total[0], atol=1e-12)
     assert set(causes) == {

@@ -77,7 +77,7 @@ def moving_bodies(
         stresses = _plate(result, name, body, remarks)
         stress = None if stresses is None else _stress(result.time, stresses, rows)
         if stress is not None and not room.takes(stress["rows"]):
-            remarks.append(f"No stress of {name} is shown, as the page would be too large")
+            remarks.append(f"Stress of {name} is not shown, because the page would be too large")
             stresses = stress = None
         found.append(_body(result, name, body, rows, _SHARE_OF_SIZE * size, stresses, stress))
     return found

@@ -92,7 +92,7 @@ def _bodies(result: Result, remarks: list[str]) -> dict[str, Geometry]:
     """Bodies with a surface whose motion is made of numbers."""
     found = {name: body for name, body in result.geometry.items() if np.size(body.faces)}
     wild = [name for name in found if not _is_finite(result, name)]
-    remarks += [f"{name} is not shown in space, as its motion is not finite" for name in wild]
+    remarks += [f"{name} is not in the 3-D view, because its motion is not finite" for name in wild]
     return {name: body for name, body in found.items() if name not in wild}
 
 

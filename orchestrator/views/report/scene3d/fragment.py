@@ -1,4 +1,4 @@
-"""The parts of the page that play: elements, style sheet, data and scripts, all written into the one file."""
+"""Interactive parts of the page: elements, style sheet, data and scripts, all in the one file."""
 
 from __future__ import annotations
 
@@ -27,26 +27,22 @@ def style() -> str:
 
 
 def space(film: Sequence[Frame], content: Content) -> str:
-    """The structure in space; without scripts or WebGL2, still pictures."""
+    """The 3-D view; without scripts or WebGL2, still pictures."""
     pictures = "\n".join(
         f'<img alt="the structure at {frame.time:.2f} s" src="data:image/png;base64,{b64encode(frame.png).decode()}">'
         for frame in film
     )
-    told = [
-        f"Nodes are within {1e3 * content.tolerance:.2g} mm of the result at every recorded row, at a deformation x 1.",
-        *(
-            [f"Stresses are within {content.stress_tolerance / 1e6:.2g} MPa."]
-            if content.stress_tolerance
-            else []
-        ),
-        *(f"{sentence}." for sentence in content.remarks),
+    stress = f", {content.stress_tolerance / 1e6:.2g} MPa in stress" if content.stress_tolerance else ""
+    sentences = [
+        f"Animation accuracy: {1e3 * content.tolerance:.2g} mm in position{stress}, at every recorded row",
+        *content.remarks,
     ]
     return f"""<figure id="animation">
 <div id="view-stills" class="stills">
 {pictures}
 </div>
 <p id="view-missing" class="warning" hidden></p>
-{_text("view.html")}<figcaption>{escape(" ".join(told))}</figcaption></figure>"""
+{_text("view.html")}<figcaption>{escape(" ".join(f"{one}." for one in sentences))}</figcaption></figure>"""
 
 
 def plots() -> str:

@@ -153,7 +153,7 @@ class View {
       first: [{ x: 0, width, shown: [{ number: 0, opacity: 1 }], caption: b ? a : "" }],
       second: [{ x: 0, width, shown: [{ number: 1, opacity: 1 }], caption: b }],
       beside: [{ x: 0, width: half, shown: [{ number: 0, opacity: 1 }], caption: a }, { x: half, width: half, shown: [{ number: 1, opacity: 1 }], caption: b }],
-      over: [{ x: 0, width, shown: [{ number: 0, opacity: 1 }, { number: 1, opacity: 0.4 }], caption: `${a}; see-through: ${b}` }],
+      over: [{ x: 0, width, shown: [{ number: 0, opacity: 1 }, { number: 1, opacity: 0.4 }], caption: `${a}; transparent: ${b}` }],
     }[this.arrangement()];
   }
 
@@ -180,7 +180,7 @@ class View {
     this.picture.draw(this.camera, parts, options, this.clock.time);
     this.labels.draw(this.camera, parts, this.shown, options);
     byId("view-scale").hidden = byId("view-limit-label").hidden = !isStressed;
-    byId("view-limit-told").textContent = `${written(limit / 1e6)} MPa and more, larger face; grey: not known`;
+    byId("view-limit-told").textContent = `${written(limit / 1e6)} MPa or more, larger face; grey: unknown`;
     byId("view-reading").textContent = this.reading(isStressed);
   }
 
@@ -254,7 +254,7 @@ const preparePlots = plots => {
 const showStills = reason => {
   byId("view-stills").hidden = byId("view-missing").hidden = false;
   byId("view").hidden = true;
-  byId("view-missing").textContent = `The structure is not shown in space: ${reason}.`;
+  byId("view-missing").textContent = `No 3-D view: ${reason}.`;
 };
 
 const start = () => {
@@ -267,7 +267,7 @@ const start = () => {
   if (byId("view")) {
     try {
       const view = new View(content, clock);
-      view.canvas.addEventListener("webglcontextlost", () => showStills("the browser has taken its memory back"));
+      view.canvas.addEventListener("webglcontextlost", () => showStills("the browser has freed its memory"));
       prepareClock(clock, events.sort((a, b) => a.time - b.time));
     } catch (error) {
       showStills(error.message);

@@ -33,8 +33,8 @@ def marks(result: Result, bodies: Collection[str], rows: Rows, remarks: list[str
         scene = scene_of(result)
         places = _places(scene, bodies)
     except FanfoldError as error:
-        told = str(error).removeprefix(f"{result.name}: ")
-        remarks.append(f"Ports and hinge axes are not shown: {told}")
+        why = str(error).removeprefix(f"{result.name}: ")
+        remarks.append(f"Ports and hinge axes are not shown: {why}")
     else:
         ports = [{"name": f"{name}.{port}", **place} for (name, port), place in places.items()]
         axes, links = list(_axes(scene, places)), list(_links(scene, places))

@@ -16,11 +16,11 @@ from orchestrator.cosim.compiled_master import CompiledMaster
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.signals.process import DiscardedStepError, SignalProcess
-from orchestrator.validity.before_run import doubts
+from orchestrator.validity.before_run import scene_warnings
 from tests.references.native_fmus import needs_native
 from tests.unit.cosim.signals.signal_cases import INERTIA, STEP, controlled, slave, spacecraft
 
-pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller.*W-fmu-unit")
+pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller: .*W-fmu-unit")
 
 
 @pytest.fixture(scope="module")
@@ -268,9 +268,9 @@ def test_an_fmu_that_hangs_is_ended(tmp_path):
 
 
 def test_a_step_that_the_run_does_not_reach_is_told(controller):
-    (sentence,) = doubts(controlled(controller, until=1.0, step=2.0).check_one_run())
+    (sentence,) = scene_warnings(controlled(controller, until=1.0, step=2.0).check_one_run())
     assert sentence.startswith("fmu.controller: ")
-    assert doubts(controlled(controller, until=1.0, step=1.0).check_one_run()) == []
+    assert scene_warnings(controlled(controller, until=1.0, step=1.0).check_one_run()) == []
 
 
 def test_a_step_that_is_made_millions_of_times_is_told(controller):

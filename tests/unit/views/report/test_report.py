@@ -203,7 +203,7 @@ def test_comparison_with_two_others(tmp_path):
     assert page.open == []
     assert {"compare_angles", "compare_interface_loads", "compare_2_angles"} <= set(page.ids)
     assert "animation" not in page.ids
-    assert found.count("Only run has damper: damper_torque, dissipated_energy.") == 2
+    assert found.count("Only in run: damper: damper_torque, dissipated_energy.") == 2
     assert "1.0000" in page.cells
     assert "+0.0000" in page.cells
 
