@@ -160,7 +160,7 @@ def test_a_line_that_nothing_ends_and_that_stays_short_is_told(motor):
     sentences = list(found.open_ends())
     assert len(sentences) == bool(motor)
     assert all(re.match(r"HL .*90 deg.*W-not-opened", one) for one in sentences)
-    (stands,) = (number for number in found.numbers() if number.quantity == "angle at the end, no latch")
+    (stands,) = (number for number in found.numbers() if number.quantity == "final angle, no latch")
     assert (stands.of, stands.value) == ("HL", found.short_of_deployed["HL"].last)
 
 

@@ -80,18 +80,18 @@ LATE = {
             "time = 0.2\nset = { root = { latch_command = 1 } }",
             "time = 0.3\nset = { root = { latch_command = 1 } }",
         ),
-        "event b: …0.2 s…already",
+        "event b …root_line: …latched…0.2 s",
     ),
     "released before": (
         (f"time = 0.2\n{RELEASE}", "time = 0.3\nset = { root = { latch_command = 1 } }"),
-        "event b: …released",
+        "event b …root_line: …released",
     ),
     "an angle that held it": (
         (
             "time = 0.2\nset = { root = { latch_command = 1 } }",
             "time = 0.3\nset = { root = { latch_angle = '1 deg' } }",
         ),
-        "event b: …0.2 s…stays",
+        "event b: …latch_angle…0.2 s",
     ),
     "an angle behind it": (
         ("time = 0.3\nset = { root = { latch_angle = '0.001 deg' } }",),

@@ -33,7 +33,7 @@ class SpringDamper(Fmi2Slave):
 """
 HINGES = ("hl1_hinge", "hl2_left", "hl3_left")
 
-pytestmark = pytest.mark.filterwarnings("ignore:fmu.foreign: .*W-fmu-unit")
+pytestmark = pytest.mark.filterwarnings("ignore:fmu.foreign.*W-fmu-unit")
 
 
 @pytest.fixture(scope="module")

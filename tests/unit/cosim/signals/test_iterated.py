@@ -8,7 +8,7 @@ import orchestrator as fanfold
 from components.drive import MotionLaw
 from tests.unit.cosim.signals.signal_cases import INERTIA, controlled, slave
 
-pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller: .*W-fmu-unit")
+pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller.*W-fmu-unit")
 STIFF = {"gain": 5e4, "damping": 20.0}  # a swing of 50 rad/s, beside steps of 0.05 s that hold it
 
 

@@ -20,7 +20,7 @@ from orchestrator.validity.before_run import scene_warnings
 from tests.references.native_fmus import needs_native
 from tests.unit.cosim.signals.signal_cases import INERTIA, STEP, controlled, slave, spacecraft
 
-pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller: .*W-fmu-unit")
+pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller.*W-fmu-unit")
 
 
 @pytest.fixture(scope="module")
