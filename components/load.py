@@ -31,9 +31,11 @@ _FRAMES = ("world", "body")
 
 
 class _Parameters(NamedTuple):
-    added_force: Annotated[float, tunable("N", "Force beside the law, such as a controller commands", 0.0)]
+    added_force: Annotated[
+        float, tunable("N", "Force in addition to the law, for example of a controller", 0.0)
+    ]
     added_torque: Annotated[
-        float, tunable("N.m", "Torque beside the law, such as a controller commands", 0.0)
+        float, tunable("N.m", "Torque in addition to the law, for example of a controller", 0.0)
     ]
     order: Annotated[float, ORDER]
 

@@ -34,7 +34,7 @@ _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 
 class _Parameters(NamedTuple):
     stiffness: Annotated[float, tunable("N/m", "Stiffness that enforces the distance", 5e7, 0.0)]
-    damping: Annotated[float, tunable("N.s/m", "Damping beside it", 0.0, 0.0)]
+    damping: Annotated[float, tunable("N.s/m", "Damping in parallel with it", 0.0, 0.0)]
     offset: Annotated[float, tunable("m", "Distance where the law is zero")]
     end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]

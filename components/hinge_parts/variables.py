@@ -49,7 +49,9 @@ class Parameters(NamedTuple):
     stowed_angle: Annotated[float, tunable("rad", "Hinge angle of the stowed configuration")]
     motor_stiffness: Annotated[float, tunable("N.m/rad", "Rate of the motorisation spring", 0.0, 0.0)]
     motor_wind_up: Annotated[float, tunable("rad", "Hinge angle at which the motorisation spring is relaxed")]
-    motor_constant_torque: Annotated[float, tunable("N.m", "Torque of the motor beside the spring's")]
+    motor_constant_torque: Annotated[
+        float, tunable("N.m", "Constant torque of the motor, in addition to the spring")
+    ]
     friction_coefficient: Annotated[
         float, tunable("1", "Coulomb friction of the hinge pin, sliding", 0.0, 0.0)
     ]
@@ -66,7 +68,7 @@ class Parameters(NamedTuple):
     presliding_stiffness: Annotated[
         float, tunable("N.m/rad", "Stiffness of friction that sticks; 0: a smooth transition", 0.0, 0.0)
     ]
-    presliding_damping: Annotated[float, tunable("N.m.s/rad", "Damping beside it, while it sticks", 0.0, 0.0)]
+    presliding_damping: Annotated[float, tunable("N.m.s/rad", "Damping of friction that sticks", 0.0, 0.0)]
     stiction_velocity: Annotated[
         float, tunable("rad/s", "Stiction transition velocity as a hinge rate", 0.0167, 1e-9)
     ]

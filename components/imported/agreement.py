@@ -181,8 +181,8 @@ def _rigid(model: FiniteElementModel, mass: Vector, first: float) -> Iterator[Fi
     problem = ""
     if share > _GROUNDED:
         problem = (
-            f"rigid motions cost energy: they would swing at {highest:.3g} Hz beside a first elastic mode at "
-            f"{first:.3g} Hz; the model is held somewhere, a node has wrong coordinates, a unit is wrong, or its "
+            f"rigid motions cost energy: they have {highest:.3g} Hz, and the first elastic mode has "
+            f"{first:.3g} Hz; the model is constrained, a node has wrong coordinates, a unit is wrong, or its "
             "numbers have too few digits (seven, or single precision; write eleven)"
         )
     yield Finding("rigid motions", f"up to {highest:.2g} Hz", problem)

@@ -100,7 +100,7 @@ def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterato
             place = (
                 "it locks"
                 if setting.kind == "kinematic"
-                else f"a spring of {setting.stiffness:.4g} N.m/rad is"
+                else f"a spring of {setting.stiffness:.4g} N.m/rad acts"
             )
             yield (
                 f"hinge_line.{line.name}.latch.measured: the curve is not used, because {line.inboard} or "

@@ -135,6 +135,14 @@ def test_python_face():
 def test_list():
     """No banned words in what `fanfold list` prints of components and tables of scene files."""
     found = {kind: inspect.getdoc(component) or "" for kind, component in REGISTRY.items()}
+    for kind, component in REGISTRY.items():
+        example = component.example()
+        layouts = (
+            example.parameter_layout.quantities,
+            example.own_inputs,
+            example.observation_layout.quantities,
+        )
+        found |= {f"{kind}.{one.name}": one.description for layout in layouts for one in layout}
     for table in key_tables():
         found |= {
             table.place: table.meaning,

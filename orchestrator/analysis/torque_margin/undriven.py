@@ -22,9 +22,9 @@ from ...scene.loops.coupled_lines import (
 
 _CABLE, _DRIVE, _MOTOR = "ccl", "drive", "motor_"
 _PULLING = ("load", "suspension", "drag")
-"""Kinds whose forces turn lines by where bodies are."""
-_AT_RATES = "the loads of accelerations that it leads to depend on all angles and rates; `fanfold run` tells"
-_AT_POSES = "what it does to a line depends on all angles; `fanfold analyse equilibrium --sweep` tells it"
+"""Kinds whose torques on lines depend on the positions of bodies."""
+_AT_RATES = "its inertial loads depend on all angles and rates; `fanfold run` computes them"
+_AT_POSES = "its torque on a line depends on all angles; `fanfold analyse equilibrium --sweep` computes it"
 MOTOR_TORQUE = "motor_torque"
 """Observation (N.m, positive opening) of a component that drives the line between whose bodies it is."""
 

@@ -101,7 +101,7 @@ _SIGNALS = """Generated from the declarations of the components. A signal of a r
 *world axes* being those of the scene. Forces and torques on a body are positive along the positive axis; torques of
 hinges, drives and dampers are those on the *outboard* body about the hinge line, so that a positive one opens.
 Energies count from the start of the run. Signals by which runs are compared and that stand among the headline
-numbers say so. Every port has besides, by its name, `position`, `orientation`, `velocity`, `angular_velocity`, and
+numbers say so. Every port also has, by its name, `position`, `orientation`, `velocity`, `angular_velocity`, and
 `force`, `torque` on the body there, all in world axes."""
 
 
@@ -134,7 +134,7 @@ def _component(kind: str, component: type[Component]) -> Iterator[str]:
         for title, quantities in (("Commands", _commands), ("Recorded signals", _signals)):
             known = {quantity.name for quantity in quantities(example)}
             more = [quantity for quantity in quantities(other) if quantity.name not in known]
-            yield from _titled(f"{title} of {words} besides", _SIGNAL, _rows(more))
+            yield from _titled(f"Further {title.lower()} of {words}", _SIGNAL, _rows(more))
 
 
 def _commands(component: Component) -> Sequence[Quantity]:

@@ -85,7 +85,7 @@ def _of_wing(found: WingTuning) -> str:
     return (
         f"{found.line}: with {found.stiffness:.5g} N.m/rad the rigid wing has {found.check:.5g} Hz in "
         f"{found.direction} (target {found.frequency:.5g} Hz); with the present stiffness it has "
-        f"{found.present:.5g} Hz to use it: --set 'hinge_line.{found.line}.latch.stiffness={found.stiffness:.5g} "
+        f"{found.present:.5g} Hz\nto use it: --set 'hinge_line.{found.line}.latch.stiffness={found.stiffness:.5g} "
         "N.m/rad', and at least that for inboard_stiffness and outboard_stiffness"
     )
 

@@ -97,7 +97,7 @@ def _print(found: Modes) -> None:
     table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
     for heading in DIRECTIONS if with_masses else ():
         table.add_column(heading, justify="right", min_width=4, no_wrap=True)
-    table.add_column("dominant body, % of modal mass")
+    table.add_column("dominant body,\n% of kinetic energy")
     for mode in found.listed:
         masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if with_masses)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"

@@ -27,7 +27,7 @@ def format_of(path: Path, asked: str | None) -> str:
             f"{path}: its suffix is of no known format; formats with their suffixes are {known}"
         )
     if asked is not None and meant != asked:
-        series = ", which opens the series of VTU files beside it" if asked == "vtu" else ""
+        series = ", which opens the series of VTU files next to it" if asked == "vtu" else ""
         raise ResultError(f"{path}: a file of the format {asked} ends with {ENDINGS[asked]}{series}")
     return str(meant)
 

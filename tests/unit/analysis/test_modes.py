@@ -108,7 +108,7 @@ def test_command_prints_json_and_draws(tmp_path, monkeypatch):
     assert content["modes"][0]["body"] == "panel2"
     assert (tmp_path / "shapes" / "mode_01.png").stat().st_size > 10_000
     table = CliRunner().invoke(main, arguments[:-1])
-    assert "0 free motions" in table.stdout
+    assert "0 rigid-body modes" in table.stdout
 
 
 @pytest.mark.parametrize(

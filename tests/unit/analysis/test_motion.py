@@ -51,7 +51,7 @@ def test_wait_is_that_of_the_decay(offset):
     assert found.motion_ends == pytest.approx(END, abs=1e-3)
     assert found.largest == pytest.approx(LARGEST + offset, rel=1e-3)
     assert expected - np.pi / RATE - 1e-3 < found.wait < expected + 1e-3
-    assert f"wait {found.wait:.3g} s from then" in found.sentence(6.0)
+    assert f"{found.wait:.3g} s later" in found.sentence(6.0)
 
 
 def test_a_run_too_short_to_tell_says_so():
