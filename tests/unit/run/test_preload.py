@@ -193,7 +193,7 @@ def test_a_preload_that_nothing_resists_is_told():
     )  # fmt: skip
     ports = {"inboard": {"body": "sat", "point": "bolt"}, "outboard": {"body": "panel", "point": "bolt"}}
     scene.connection("bolt", "hold_down", ports=ports, parameters={"preload": "300 N"})
-    with pytest.warns(fanfold.FanfoldWarning, match=r"bolt .* 2(\.\d+)? N .*300 N .*W-preload"):
+    with pytest.warns(fanfold.FanfoldWarning, match=r"bolt .* 2(\.\d+)? N .*300 N.*W-preload"):
         fanfold.simulate(scene, estimate=False)
 
 

@@ -277,7 +277,7 @@ def test_a_step_that_is_made_millions_of_times_is_told(controller):
     """Regression: a step of 1 us was started without a word, and would have taken an hour."""
     for step, count in (("0.1 us", 1), ("1 ms", 0)):
         found = fanfold.check_scene(controlled(controller, until=1.0, step=step))
-        assert len([one for one in found.warnings if "is made 1e+07 times in 1 s" in one]) == count
+        assert len([one for one in found.warnings if "W-fmu-step" in one]) == count
 
 
 def test_checkpoints_are_refused(controller, tmp_path):
