@@ -1,4 +1,11 @@
-"""Beam for large deformation: geometrically exact, energy and momenta exact at any step.
+r"""Beam for large deformation: geometrically exact, energy and momenta exact at any step.
+
+$$ U = \frac{L}{2}\, \mathbf e^T \mathbf C\, \mathbf e,\qquad \mathbf e = (\boldsymbol\gamma -
+\boldsymbol\gamma_0,\; \boldsymbol\kappa - \boldsymbol\kappa_0),\qquad \boldsymbol\gamma = \mathbf R^T
+\mathbf x',\quad \boldsymbol\kappa = \operatorname{axial}\left(\mathbf R^T \mathbf R'\right) $$
+
+of an element of the length $L$ with stretch and shear $\boldsymbol\gamma$, twist and bending $\boldsymbol\kappa$, and
+the stiffness $\mathbf C$ of its section.
 
 Two-node elements of a Simo-Reissner beam with rigid sections at the nodes (`beam_parts/elements.py`), one after the
 other. A step takes each section on by a Cayley rotation, its displacement and rotation vector Th being the unknowns:

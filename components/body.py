@@ -1,4 +1,14 @@
-"""Rigid and modal bodies: one component, because a rigid body is a modal body without modes.
+r"""Rigid and modal bodies: one component, because a rigid body is a modal body without modes.
+
+$$ \ddot{\eta}{}_j + 2 \zeta_j \omega_j \dot{\eta}{}_j + \omega_j^2 \eta_j = Q_j(t),\qquad \mathbf r =
+\mathbf r_c + \mathbf R\,(\mathbf X + \boldsymbol\Phi\, \boldsymbol\eta) $$
+
+$$ \dot{\mathbf p} = \sum_k \mathbf F_k + m \mathbf g,\qquad \dot{\mathbf L} = \sum_k (\mathbf r_k \times
+\mathbf F_k + \mathbf T_k) + \mathbf r_c \times m \mathbf g $$
+
+with modal coordinates $\eta_j$, their forces $Q_j$ from loads and from rates of the frame, momenta $\mathbf p$ and
+$\mathbf L$ (about the world origin), wrenches $\mathbf F_k, \mathbf T_k$ at the ports, and the centre of mass at
+$\mathbf r_c$.
 
 A floating frame in the centre of mass plus orthonormalised Craig-Bampton modes with the rigid modes
 removed, so that linear momentum decouples and the frame is the mean-axis frame (Bagnoli 2007, section 1.3,
@@ -32,7 +42,7 @@ from .body_parts.interface import Interface, interface_data
 from .body_parts.load import Load
 from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
-from .body_parts.second_order import ModalPath, correct_step, settled, static_deflection
+from .body_parts.second_order import ModalPath, change_of, correct_step, settled, static_deflection
 from .body_parts.tension import TensionForms, own_tension
 from .body_parts.turn import (
     MAX_ITERATIONS,
@@ -287,6 +297,7 @@ class Body(Component):
         omega, end, eta1, rate_mean = start, start, eta0, pi0 - start @ before.b
         own, modal_moment = own_tension(self.tension, eta0), np.zeros(self.modes)
         _, moment_slope = load.moments(world_arms, world_arms)
+        deflection = 0.0
         for _ in range(MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
@@ -313,7 +324,8 @@ class Body(Component):
             ending = Ending(full_matrix(after.inertia), spin, arms, moment_slope @ a_mid, a1)
             change = newton_turn(ending, load, omega, missing, h)
             omega = omega + change
-            deflected = not self.data.second_order_modes or settled(eta0, last, eta1)
+            earlier, deflection = deflection, change_of(eta0, last, eta1)
+            deflected = not self.data.second_order_modes or settled(deflection, earlier)
             if deflected and is_found(change, h):
                 break
         else:

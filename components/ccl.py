@@ -1,4 +1,11 @@
-"""Closed-cable-loop (CCL) synchroniser: two preloaded strands between two pulleys on bodies 1 and 3.
+r"""Closed-cable-loop (CCL) synchroniser: two preloaded strands between two pulleys on bodies 1 and 3.
+
+$$ e_{a,b} = \Delta \ell \pm (r_1\, \Delta\varphi_1 - r_2\, \Delta\varphi_2) $$
+
+$$ T_{a,b} = \max(0,\; P + k\, e_{a,b} + c\, \dot e{}_{a,b}) \text{ where the strand is taut} $$
+
+with the preload $P$, the stiffness $k$ and the damping $c$ of one strand, the radii $r_i$, the angles $\varphi_i$ of
+the pulleys against the strands, and the length $\ell$ of these.
 
 The wrenches follow from the elongations of the two strands, so they are conservative by construction; in
 components they are equations 2.3 to 2.6 of Bagnoli (2007), section 2.2.5, with L the free strand length,

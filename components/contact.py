@@ -1,4 +1,9 @@
-"""Unilateral contact without friction between a point and a plane: a penalty force with a potential, and damping.
+r"""Unilateral contact without friction between a point and a plane: a penalty force with a potential, and damping.
+
+$$ F = F_\mathrm{ref} \left(\frac{p}{p_\mathrm{ref}}\right)^n + c\,
+\mathrm{STEP}\!\left(\frac{p}{p_\mathrm{full}}\right) \dot p \;\ge\; 0,\qquad p > 0 $$
+
+with the penetration $p$ and $\mathrm{STEP}(s) = s^2 (3 - 2 s)$, 1 from $s = 1$ on.
 
 The law is that of the IMPACT function of multibody programs, with an exponent of 1.5 that of Hertz: a power of
 the penetration, and damping that rises from nothing at touch to its full value by a cubic step.

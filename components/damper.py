@@ -1,4 +1,9 @@
-"""Eddy-current damper between two ports, about their common axis."""
+r"""Eddy-current damper between two ports, about their common axis.
+
+$$ T = -\frac{c\, \omega}{1 + (\omega / \omega_\mathrm{peak})^2} $$
+
+at the rate $\omega$, largest at $\omega_\mathrm{peak}$; without a peak rate it is linear.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Aerodynamic drag of a flat rectangular plate by strips, on one port.
+r"""Aerodynamic drag of a flat rectangular plate by strips, on one port.
+
+$$ F = -\frac{1}{2}\, \rho\, c_d\, b \int_{x_0}^{x_1} v(x)\, |v(x)|\, \mathrm d x,\qquad v(x) = v_0 - \omega
+x $$
+
+with the velocity $v$ along the normal of the plate of width $b$, which turns at the rate $\omega$ about y.
 
 Every strip across the plate takes 1/2 rho c_d times its area and the square of its own velocity along the
 plate's normal, against that velocity (Bagnoli 2007, section 3.4.3.1). The velocity is linear along the plate,

@@ -1,4 +1,11 @@
-"""Drive about an axis: a commanded angle, by a motion profile or from outside, behind the compliance of a gearbox."""
+r"""Drive about an axis: a commanded angle, by a motion profile or from outside, behind the compliance of a gearbox.
+
+$$ T = k\,(\varphi_c - \varphi) + c\,(\dot{\varphi}{}_c - \dot\varphi),\qquad \varphi_c = \varphi_0 +
+(\varphi_1 - \varphi_0)\, s^3 (10 - 15 s + 6 s^2) $$
+
+for the profile `step5`, $s^2 (3 - 2 s)$ for `step`, $s$ the share of the duration $\tau$ that has passed; for
+`commanded` $\tau\, \dot{\varphi}{}_c = \varphi_1 - \varphi_c$.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,13 @@
-"""Driven base: ports of a frame whose accelerations change at rates that are inputs, and what this motion takes."""
+r"""Driven base: ports of a frame whose accelerations change at rates that are inputs, and what this motion takes.
+
+$$ \mathbf v(t) = \mathbf v_0 + \mathbf a_0\, t + \tfrac{1}{2}\, \mathbf j\, t^2,\qquad
+\boldsymbol\varphi(t) = \boldsymbol\omega_0\, t + \tfrac{1}{2}\, \boldsymbol\alpha_0\, t^2 + \tfrac{1}{6}\,
+\mathbf k\, t^3 + \left(\tfrac{1}{12}\, t^3\, \boldsymbol\alpha_0 + \tfrac{1}{24}\, t^4\, \mathbf k\right)
+\times \boldsymbol\omega_0 $$
+
+over a step, with the velocity and the rotation vector of the frame, whose accelerations change at the rates $\mathbf
+j$ and $\mathbf k$ that the inputs hold.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""End stop of a hinge line: a torque that pushes back from an angle on, a spring with a potential, and damping."""
+r"""End stop of a hinge line: a torque that pushes back from an angle on, a spring with a potential, and damping.
+
+$$ T = -\max\left(0,\; k\, p + c\, \mathrm{STEP}\!\left(\frac{p}{p_\mathrm{full}}\right) \dot
+p\right),\qquad p = \varphi - \varphi_\mathrm{stop} > 0 $$
+
+with the penetration $p$ of the hinge angle $\varphi$; $\mathrm{STEP}$ is that of a contact.
+"""
 
 from __future__ import annotations
 

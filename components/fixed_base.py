@@ -1,4 +1,10 @@
-"""Fixed base: the spacecraft as ground. A free spacecraft is a rigid `body` with the same ports."""
+r"""Fixed base: the spacecraft as ground. A free spacecraft is a rigid `body` with the same ports.
+
+$$ \mathbf F = \sum_k \mathbf F_k,\qquad \mathbf T = \sum_k \left(\mathbf T_k + (\mathbf r_k - \mathbf r_0)
+\times \mathbf F_k\right) $$
+
+are the interface loads of the wrenches $\mathbf F_k, \mathbf T_k$ at its ports, about the reference $\mathbf r_0$.
+"""
 
 from __future__ import annotations
 

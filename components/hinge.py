@@ -1,4 +1,13 @@
-"""Hinge: a six-axis bushing about a hinge line, with motorisation, harness, friction and latch.
+r"""Hinge: a six-axis bushing about a hinge line, with motorisation, harness, friction and latch.
+
+$$ T = T_\mathrm{motor}(\varphi) + T_\mathrm{harness}(\varphi) - \left(\mu\, r_p F_r + T_\mathrm{pre}\right)
+\operatorname{sgn} \dot\varphi - T_\mathrm{latch} $$
+
+$$ T_\mathrm{latch} = k_l (\varphi - \varphi_l) + c_l \dot\varphi,\qquad F_i = -k_i q_i - c_i \dot q{}_i $$
+
+about the hinge line and, with $F_i$, along and about all axes, with the pin's radius $r_p$ and its force $F_r$ normal
+to the line (Bagnoli 2007, equation 2.2). The latch torque begins with the latch-up. Below its largest torque friction
+sticks, by an elastic deflection; with the smooth law it falls with the rate.
 
 Spherical, revolute, cylindrical, fixed and bushing joints are settings of the six stiffnesses. The wrench
 is the mean over the communication step, from the poses at its two ends ("mean"), or the end-point wrench

@@ -1,4 +1,10 @@
-"""Hold-down point: a preloaded joint of two ports in three directions, until it is released."""
+r"""Hold-down point: a preloaded joint of two ports in three directions, until it is released.
+
+$$ F_i = -k_i\, q_i - c_i\, \dot q{}_i - P a_i,\qquad i = x, y, z $$
+
+on the outboard port in axes of the inboard one, with displacements $q$ from the start, the preload $P$ along the axis
+$\mathbf a$; nothing from the release on.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""Load from outside on one port: a force and a torque along a direction of the world or of the body, over time."""
+r"""Load from outside on one port: a force and a torque along a direction of the world or of the body, over time.
+
+$$ \mathbf F = \left(f(t) + f_+\right) \mathbf d,\qquad \mathbf T = \left(\tau(t) + \tau_+\right) \mathbf d
+$$
+
+along the direction $\mathbf d$ with the laws $f$ and $\tau$ and what is added in mid-run.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,11 @@
-"""Moving base: ports that follow prescribed motions together, a shift and a turn, and the loads that this takes."""
+r"""Moving base: ports that follow prescribed motions together, a shift and a turn, and the loads that this takes.
+
+$$ \mathbf r_k = \mathbf r_P + s(t)\, \mathbf a + \mathbf R(\theta(t)\, \mathbf b)\, \mathbf R_0\, (\mathbf
+x_k - \mathbf x_P) $$
+
+with the laws $s$ of the shift along $\mathbf a$ and $\theta$ of the turn about $\mathbf b$, the pivot $P$ and the
+orientation $\mathbf R_0$ where both are zero.
+"""
 
 from __future__ import annotations
 

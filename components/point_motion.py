@@ -1,4 +1,9 @@
-"""Prescribed motion of a point: the distance of two ports along a direction follows a motion law, through a spring."""
+r"""Prescribed motion of a point: the distance of two ports along a direction follows a motion law, through a spring.
+
+$$ F = k\,(d_c - d) + c\,(\dot d{}_c - \dot d),\qquad d_c = d_0 + \mathrm{law}(t) $$
+
+with the distance $d$ of the ports along the axis.
+"""
 
 from __future__ import annotations
 

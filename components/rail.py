@@ -1,4 +1,10 @@
-"""Rail: a trolley guided in a plane at its orientation, with Coulomb friction against its sliding.
+r"""Rail: a trolley guided in a plane at its orientation, with Coulomb friction against its sliding.
+
+$$ F_n = -k_n q_n - c_n \dot q{}_n,\qquad T_i = -k_r \theta_i - c_r \dot{\theta}{}_i,\qquad \mathbf F_t =
+-F_\mu\, \frac{\mathbf v}{|\mathbf v|} $$
+
+with the displacement $q_n$ normal to the plane, rotations $\theta_i$, and friction $F_\mu$ against the sliding
+velocity $\mathbf v$. Below $F_\mu$ the trolley sticks, by an elastic deflection.
 
 Friction that sticks is that of `presliding` in two dimensions: a spring of deflection z in the plane, and a damper as
 far as both stay within the friction F, in series with a slider. The force is -(k z + c v), and z' = v; but |z| is at

@@ -1,4 +1,9 @@
-"""Suspension: a spring that only pulls, along the line between two points, for gravity compensation."""
+r"""Suspension: a spring that only pulls, along the line between two points, for gravity compensation.
+
+$$ F = \max\!\left(0,\; P + k\,(l - l_P) + c\, \dot l\right) \text{ while the spring is taut} $$
+
+with the distance $l$ of the ports, $l_P$ at the preload $P$.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
 """Fanfold: simulate deployable space structures as coupled FMI components.
 
+A run::
+
     import orchestrator as fanfold
 
     scene = fanfold.load("amos3")                       # built-in scene, or the path of a scene file

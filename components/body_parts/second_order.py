@@ -73,10 +73,15 @@ def correct_step(
     return prop.moment(path.start, path.rate, force, slope)
 
 
-def settled(start: Vector, last: Vector, end: Vector) -> bool:
-    """Whether an iteration of a step from `start` (M,) has found the modal coordinates at its end."""
+def change_of(start: Vector, last: Vector, end: Vector) -> float:
+    """Largest change of the modal coordinates by an iteration of a step from `start` (M,), over the largest of them."""
     scale = max(float(abs(start).max()), float(abs(end).max()))
-    return float(abs(end - last).max()) <= _MODAL_TOLERANCE * scale
+    return float(abs(end - last).max()) / scale if scale else 0.0
+
+
+def settled(change: float, before: float) -> bool:
+    """Whether the next iteration would change them by less, if it does as this one did."""
+    return change <= _MODAL_TOLERANCE or change * change <= _MODAL_TOLERANCE * before
 
 
 def static_deflection(

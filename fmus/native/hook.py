@@ -1,4 +1,4 @@
-"""Build hook: compile the native libraries where there is a C compiler; install without them where there is none."""
+"""Build hook: compile the native libraries if there is a C compiler, and put the documents into a wheel."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchling is there in a build only
-    """Compiles the components' library and the two of the master, and puts them into the wheel."""
+    """Compiles the components' library and the two of the master; a wheel gets them and the documents."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Before the build of a wheel, editable or not."""
+        if version == "standard":  # an editable installation reads them from the checkout
+            build_data["force_include"].update(self.config["documents"])
         root = Path(self.root)
         build = _module(root / "fmus" / "native" / "compile.py")
         cosim = root / "orchestrator" / "cosim"

@@ -17,6 +17,7 @@ from ..assembly.assemble import assemble
 from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
+from ..assembly.second_order import second_order_modes
 from ..records import short_repr
 from ..scene import CheckedScene
 from ..scene.bodies import (
@@ -153,6 +154,9 @@ def check_scene(
         body.name: body_model(body, chosen[body.name] == "flexible" and body.name not in held)
         for body in scene.bodies
     }
+    second = {
+        part.name: second_order_modes(part) for part in assembly.parts if part.name in assembly.flexible
+    }
     base = base_model(scene.base)
     if base is not None:
         models = {scene.base.name: base, **models}
@@ -166,7 +170,7 @@ def check_scene(
             *warnings_before_run(scene, assembly, [name for name, one in bends.items() if one]),
             *_out_of_reach(scene, far),
         ),
-        bodies=tuple(_bodies(scene, models, chosen, held)),
+        bodies=tuple(_bodies(scene, models, chosen, held, second)),
         lines=tuple(_line(scene, line, bends) for line in scene.hinge_lines),
         loops=tuple(_loop(scene, loop) for loop in scene.loops),
         connections={
@@ -208,6 +212,7 @@ def _bodies(
     models: Mapping[str, ModalData],
     chosen: Mapping[str, Fidelity],
     held: Collection[str],
+    second_order: Mapping[str, int],
 ) -> list[BodyOverview]:
     bodies = {body.name: body for body in scene.bodies}
     rows = []
@@ -216,7 +221,13 @@ def _bodies(
         model = (
             ("moved" if scene.base.motion is not None else "fixed")
             if data is None
-            else _model_words(bodies[name], chosen[name], data.frequency.size, is_held=name in held)
+            else _model_words(
+                bodies[name],
+                chosen[name],
+                data.frequency.size,
+                second_order.get(name, 0),
+                is_held=name in held,
+            )
             if name in bodies
             else "rigid"
         )
@@ -231,12 +242,15 @@ def _bodies(
     return rows
 
 
-def _model_words(body: Body, fidelity: Fidelity, modes: int, *, is_held: bool) -> str:
-    """What a body is modelled by; modes: those that it has, with constraint modes and without rigid ones."""
+def _model_words(body: Body, fidelity: Fidelity, modes: int, second_order: int, *, is_held: bool) -> str:
+    """What a body is modelled by; modes: those that it has, with constraint modes and without rigid ones.
+
+    second_order: how many of these are.
+    """
     if is_held:
         return "rigid, as one piece with others by held lines"
     if fidelity == "flexible":
-        second = f", {body.second_order_modes} of second order" if body.second_order_modes else ""
+        second = f", {second_order} of second order" if second_order else ""
         panel = body_definition(body).panel
         stretching = ", stretched by bending" if panel and panel.plate.geometry == "von_karman" else ""
         kept = modes + 6 - 6 * len(body_definition(body).attachment_points)

@@ -32,6 +32,7 @@ from .events import assembly_events
 from .fidelities import choose_fidelity
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
 from .locked_at_start import bolted_lines
+from .second_order import with_second_order
 from .signal_fmus import signal_fmus
 from .start_values import with_port_starts
 
@@ -57,10 +58,11 @@ def assemble(
         and large_deformation is not None
         and body.name not in held
     }
+    modal = {name: bends and name not in beams for name, bends in is_flexible.items()}
     models = {
-        body.name: _model(scene, body, is_flexible[body.name])
-        for body in scene.bodies
-        if body.name not in beams
+        name: _model(scene, body, modal[name])
+        for name, body in with_second_order(scene, modal).items()
+        if name not in beams
     }
     poses = start_poses(scene, scene_points(scene))
     parts_of_bodies, links, geometry = _placed_parts(scene, models, beams, poses)

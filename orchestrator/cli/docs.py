@@ -1,4 +1,4 @@
-"""`fanfold docs`: the documents in a browser, and the JSON schema of scene files."""
+"""`fanfold docs`: the documents in a browser, and the keys of scenes for editors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from .types import OutputFile
 
 @click.command("docs")
 @click.option(
-    "--browser/--no-browser", default=True, help="Open the first page in a browser, or only print its path."
+    "--browser/--no-browser",
+    default=True,
+    help="Whether a browser opens the first page; its path is printed.",
 )
 @click.option(
     "-o",
@@ -27,15 +29,15 @@ from .types import OutputFile
     help="Folder of the pages; by default next to the cache.",
 )
 @click.option(
-    "--gallery/--no-gallery", default=True, help="Also run the examples, which takes one or two minutes."
+    "--gallery/--no-gallery", default=True, help="Whether the examples run too, which takes a minute."
 )
-@click.option("--rebuild", is_flag=True, help="Build in any case, for example to measure on this machine.")
+@click.option("--rebuild", is_flag=True, help="Build again, and measure on this machine again.")
 @click.option(
     "--json-schema", "schema", type=OutputFile(),
-    help="Only write the JSON schema of scene files, for editors, to this file.",
+    help="Write the JSON schema of scene files, for editors, and nothing else.",
 )  # fmt: skip
 def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schema: Path | None) -> None:
-    """Build the documents if they are missing or out of date (needs the extra docs), and open them."""
+    """Open the documents as HTML. They are built first if necessary, which needs the extra docs."""
     if schema is not None:
         text = json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False)
         schema.write_text(f"{text}\n", encoding="utf-8")

@@ -23,6 +23,7 @@ from fmus import Backend, CompileError, Experiment, FmiVersion, build_fmu, cross
 from fmus.archive import content_digest
 
 from ..assembly import Assembly, Part
+from ..assembly.second_order import second_order_modes
 from ..assembly.statics.start import in_equilibrium, with_free_joints
 from ..cosim.compiled_master import CompiledMaster
 from ..cosim.cosimulation import SCENE_CHANNELS
@@ -457,6 +458,9 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
         "scene_tree": json.dumps(assembly.scene_tree),
         "flexible": json.dumps(assembly.flexible),
         "large_deformation": json.dumps(assembly.large_deformation),
+        "second_order_modes": json.dumps(
+            {part.name: second_order_modes(part) for part in assembly.parts if part.name in assembly.flexible}
+        ),
         "python": platform.python_version(),
     }
     found.update(_versions())

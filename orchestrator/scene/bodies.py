@@ -75,7 +75,8 @@ def base_model(base: Base) -> ModalData | None:
 def body_model(body: Body, flexible: bool, structural: StructuralDamping | None = None) -> ModalData:
     """Modal data of a body at the given fidelity, without the modes that are switched off.
 
-    structural: the scene's damping of bodies that say nothing else.
+    structural: the scene's damping of bodies that say nothing else. Modes are of first order unless the body says
+    how many are of second.
     """
     if body.rigid is not None:
         rigid = body.rigid
@@ -83,7 +84,7 @@ def body_model(body: Body, flexible: bool, structural: StructuralDamping | None 
         return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points, *shape)
     if not flexible:
         return _model(_written(body), None, body.masses)
-    data = _model(_written(body), body.fixed_interface_modes, body.masses, body.second_order_modes)
+    data = _model(_written(body), body.fixed_interface_modes, body.masses, body.second_order_modes or 0)
     data = data.switch_off(body.modes_off, body.frequencies_off)
     if body.damping_ratio is not None:
         return data.with_damping(body.damping_ratio)

@@ -130,8 +130,8 @@ class Body(Table):
     """Model of the body unless chosen for the run; by default flexible if it can bend, else rigid."""
     fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
     """Fixed-interface vibration modes, in addition to six shapes per attachment point."""
-    second_order_modes: Annotated[int, Field(ge=0)] = 0
-    """Number of lowest modes with second-order shortening, so that spin and loads stiffen the body."""
+    second_order_modes: Annotated[int, Field(ge=0)] | None = None
+    """Number of lowest modes with second-order shortening; by default those that spin or axial loads change."""
     inertia_coupling: CouplingLevel = "full"
     """How much of the change of inertia by deformation is kept."""
     damping_ratio: Annotated[Ratio, Field(le=1.0)] | None = None

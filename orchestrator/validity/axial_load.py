@@ -1,4 +1,4 @@
-"""Beams with first-order modes whose joints compress them with a large part of Euler's load."""
+"""Bodies that joints compress with a large part of the Euler load of their first-order modes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from components.hinge import Hinge
 from components.moving_base import MovingBase
 
 from ..assembly import Assembly, Part
-from ..assembly.fidelities import has_beam
+from ..assembly.second_order import all_second_order, joint_places, second_order_modes, ways_through
 from ..results.result import Result
 from ..scene import CheckedScene
-from ..scene.bodies import body_definition
+from ..scene.body_tables import Body
 from .holding_points import holding_points
 
 _TOLD = 0.02
@@ -25,33 +25,36 @@ Rows = NDArray[np.float64]
 
 
 def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each modal beam of first order that a joint compresses with 2 % of Euler's load or more."""
-    beams = [body for body in scene.bodies if not body.second_order_modes and has_beam(body)]
+    """A sentence for each body that a joint compresses with 2 % of Euler's load of its first-order modes or more."""
     parts = {part.name: part for part in assembly.parts}
-    for body in beams:
+    for body in scene.bodies:
         held = dict(holding_points(parts[body.name], assembly)) if body.name in assembly.flexible else {}
-        if len(held) < 2:
-            continue
-        beam, places = body_definition(body).beam, _places(parts[body.name])
-        assert beam is not None
+        part, places = parts.get(body.name), _places(parts[body.name]) if held else {}
         points = np.array([places[point] for point in sorted(held.values())])
-        span = float(np.linalg.norm(points[:, None] - points, axis=2).max())
-        critical = np.pi**2 * min(beam.section.bending_y, beam.section.bending_z) / max(span, 1e-9) ** 2
         pressed = {
             joint: _pressed(assembly, parts, joint, body.name, places[point], points.mean(0), result)
             for joint, point in held.items()
             if parts[joint].kind == Hinge.kind and result.has(joint, "hinge_force")
         }
         joint = max(pressed, key=lambda name: float(pressed[name].max(initial=0.0)), default="")
-        if not joint or not pressed[joint].max() > _TOLD * critical:
+        if part is None or not joint or not pressed[joint].max() > 0.0:
             continue
         row = int(pressed[joint].argmax())
-        most = float(pressed[joint][row])
-        yield (
-            f"{body.name}: {joint} compresses it with {most:.4g} N at {result.time[row]:.4g} s, "
-            f"{100.0 * most / critical:.2g} % of Euler's load between pinned ends ({critical:.4g} N), and its "
-            "first-order modes keep their full stiffness. Set second_order_modes."
-        )
+        most, second = float(pressed[joint][row]), second_order_modes(part)
+        ways = ways_through(all_second_order(body), joint_places(scene, body))
+        critical = min((way.euler(second) for way in ways), default=np.inf)
+        if most > _TOLD * critical:
+            yield (
+                f"{body.name}: {joint} compresses it with {most:.4g} N at {result.time[row]:.4g} s, "
+                f"{100.0 * most / critical:.2g} % of Euler's load of its first-order modes ({critical:.4g} N), which "
+                f"keep their full stiffness. {_remedy(body)}"
+            )
+
+
+def _remedy(body: Body) -> str:
+    if body.inertia_coupling != "full":
+        return "Set inertia_coupling to full."
+    return f"Set second_order_modes above {body.second_order_modes or 0}."
 
 
 def _places(part: Part) -> dict[str, Rows]:

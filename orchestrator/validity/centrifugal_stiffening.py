@@ -6,41 +6,42 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..assembly import Assembly
-from ..scene.bodies import motions
-from ..scene.schema import CheckedScene
+from components.flexible.modal import ModalData
 
-_SAMPLES = 257
-_FELT = 0.1
-"""Rate of the spin over the lowest free frequency, from which on frequencies are off by its square or more."""
+from ..assembly import Assembly
+from ..assembly.second_order import FELT, fastest_turn, held_frequency, joint_places, second_order_modes
+from ..scene.schema import CheckedScene
 
 
 def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
-    """A sentence for each flexible body without second-order modes that a motion law spins fast.
+    """A sentence for each flexible body with first-order modes that a motion law spins fast.
 
     until: s; by default the end of the scene.
     """
-    times = np.linspace(0.0, scene.header.until if until is None else until, _SAMPLES).tolist()
-    turns = [turn for _, turn in (motion.laws for motion in motions(scene).values())]
-    fastest = max((abs(turn.rate(time)) for turn in turns for time in times), default=0.0)
-    yield from unstiffened_rates(scene, assembly, dict.fromkeys(assembly.flexible, fastest))
+    yield from unstiffened_rates(
+        scene, assembly, dict.fromkeys(assembly.flexible, fastest_turn(scene, until))
+    )
 
 
 def unstiffened_rates(
     scene: CheckedScene, assembly: Assembly, rates: Mapping[str, float], how: str = "up to"
 ) -> Iterator[str]:
-    """A sentence for each flexible body without second-order modes that spins fast.
+    """A sentence for each flexible body with first-order modes that spins fast.
 
     rates: of bodies by name, rad/s. how: words for these rates.
     """
-    first_order = {body.name for body in scene.bodies if not body.second_order_modes}
+    bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
-        if part.name not in assembly.flexible or part.name not in first_order:
+        if part.name not in assembly.flexible:
             continue
-        frequencies, rate = np.asarray(part.structure["modal"]["frequency"]), rates.get(part.name, 0.0)
-        if frequencies.size and rate > _FELT * frequencies.min():
+        modal, rate = part.structure["modal"], rates.get(part.name, 0.0)
+        modes, second = np.size(modal["frequency"]), second_order_modes(part)
+        if not rate or second == modes or np.size(modal["tension_forms"]):
+            continue
+        first = held_frequency(ModalData.from_arrays(modal), joint_places(scene, bodies[part.name]))
+        if rate**2 > FELT * first**2:
             yield (
-                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s with a first free mode at "
-                f"{frequencies.min():.3g} rad/s, and first-order modes do not stiffen under tension. Set "
-                "second_order_modes."
+                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, its first mode clamped at a joint is at "
+                f"{first:.3g} rad/s, and tension does not stiffen {modes - second} of its {modes} modes, which are of "
+                "first order. Remove second_order_modes, or set it to the number of modes."
             )

@@ -28,7 +28,6 @@ DOCUMENTS = (
     "CONTRIBUTING.md",
     "CHANGELOG.md",
     "docs/*.md",
-    "orchestrator/api/handbook/pages/*.md",
 )
 CLEAN_ROOMS = ("api", "cli", "validity", "run", "results", "cosim")
 """Packages of the orchestrator all of whose docstrings are checked."""

@@ -1,1 +1,1 @@
-"""The documents: written pages in `pages`, and pages generated from the declarations."""
+"""The documents as HTML: the pages of `docs`, references from the declarations, and a gallery of the examples."""

@@ -8,7 +8,7 @@ from typing import Any
 
 _TESTS = "test_"
 _HERE = {"Path(__file__).parent": "Path.cwd()"}
-"""Sphinx-gallery runs programs in their folder and tells them no file."""
+"""Sphinx-gallery runs programs in their folder, without `__file__`."""
 
 
 def write_examples(examples: Path, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Functions of the documents for Python."""
+"""What Python asks of the documents."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def json_schema() -> dict[str, Any]:
     Returns
     -------
     dict
-        schema; every quantity has its SI `unit`, every key its meaning as `description`
+        Schema; every quantity has its SI `unit`, every key its meaning as `description`.
     """
     from ...scene.keys.json_schema import scene_schema
 
@@ -27,36 +27,38 @@ def json_schema() -> dict[str, Any]:
 
 
 def docs(folder: str | Path | None = None, *, gallery: bool = True, rebuild: bool = False) -> Path:
-    """Build the documents if they are missing or out of date, and return their first page.
+    """Build the documents if they are not there or are of other sources.
 
     Parameters
     ----------
-    folder : str or Path, optional
-        folder of the pages; by default next to the cache
-    gallery : bool
-        also run the examples, which takes one or two minutes; by default True
-    rebuild : bool
-        build in any case
+    folder
+        Where the pages are kept, by default next to the cache.
+    gallery
+        Whether to run the examples too, which takes a minute.
+    rebuild
+        Whether to build in any case, so that times and numbers are measured again.
 
     Returns
     -------
     Path
-        first page (HTML)
+        The first page.
 
     Raises
     ------
     FanfoldError
-        if the extra `docs` is not installed
+        If the extra `docs` is missing, or there is no folder for the pages.
     """
-    from .build import build
+    from .build import ROOT, build
 
     target = _folder() if folder is None else Path(folder)
-    stamp = f"{_digest()} {'with' if gallery else 'without'} gallery"
-    known = target / _STAMP
-    is_built = (target / _INDEX).is_file() and known.is_file() and known.read_text(encoding="utf-8") == stamp
+    stamp = f"{_digest(ROOT)} {'with' if gallery else 'without'} gallery"
+    stamped = target / _STAMP
+    is_built = (
+        (target / _INDEX).is_file() and stamped.is_file() and stamped.read_text(encoding="utf-8") == stamp
+    )
     if rebuild or not is_built:
         build(target, gallery)
-        known.write_text(stamp, encoding="utf-8")
+        stamped.write_text(stamp, encoding="utf-8")
     return target / _INDEX
 
 
@@ -67,12 +69,12 @@ def _folder() -> Path:
     return place / "documents"
 
 
-def _digest() -> str:
+def _digest(documents: Path) -> str:
     """Of everything that the documents are made from."""
-    root = Path(__file__).parents[3]
+    packages = [Path(__file__).parents[3] / name for name in _PACKAGES]
     content = hashlib.sha256()
-    for package in _PACKAGES:
-        for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".md", ".toml"):
+    for folder in (*packages, documents / "docs", documents / "examples"):
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in (".py", ".md", ".toml", ".svg"):
                 content.update(path.read_bytes())
     return content.hexdigest()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from importlib import import_module
 from inspect import Parameter, getdoc, signature
 
 from components import LAGGED, REGISTRY, Component, Quantity
+from components.contract import component as contract
+from components.contract.connection import Connection
 from components.numerics.motion_law import MEANING, PROFILES
 
 from ...scene.keys.listing import KeyTable, key_tables
@@ -20,16 +23,16 @@ _ROLES = {
     "dissipation": "share of the dissipated energy",
     "penetration": "struck where it rises through zero",
 }
-"""What the roles that components declare mean to who reads a result."""
+"""Meaning of the roles that components declare, for readers of a result."""
 
 
 def scene_page() -> str:
-    """Every key of scene files with unit, default and meaning."""
+    """Keys of scene files with unit, default and meaning, as Markdown."""
     lines = ["# Keys of scene files", "", _SCENE, ""]
     lines += _table(
         ("SI unit", "what may be written"),
         (
-            ("none" if unit == "1" else f"`{unit}`", ", ".join(f"`{one}`" for one in units))
+            ("none" if unit == "1" else f"`{unit}`", ", ".join(f"`{name}`" for name in units))
             for unit, units in UNITS.items()
         ),
     )
@@ -50,7 +53,7 @@ def scene_page() -> str:
     return "\n".join(lines) + "\n"
 
 
-_SCENE = """Generated from the models that read scene files. *Needed* keys have no default; an empty default means that
+_SCENE = """*Needed* keys have no default; an empty default means that
 nothing is there. A plain number is in the SI unit of its key; a text such as `"90 deg"` brings its own unit, one
 of:"""
 
@@ -61,7 +64,7 @@ def _keys(table: KeyTable) -> Iterator[str]:
     if table.place:
         yield f"({_anchor(table.place)})="
     yield (
-        "## Outside tables"
+        "## Outside of the tables"
         if not table.place
         else f"{'##' if '.' not in table.place else '###'} {_heading(table)}"
     )
@@ -89,14 +92,16 @@ def _anchor(place: str) -> str:
 
 
 def components_page() -> str:
-    """Declarations of every component: structure, parameters, commands, recorded signals."""
+    """Components with equations, structure, parameters, commands and recorded signals, as Markdown."""
     lines = ["# Components and signals", "", _SIGNALS, ""]
     for kind, component in sorted(REGISTRY.items()):
         lines += _component(kind, component)
+    lines += ["## The contract of a component", "", "```text", (contract.__doc__ or "").strip(), "```", ""]
+    lines += ["Of a connection:", "", "```text", getdoc(Connection) or "", "```"]
     return "\n".join(lines) + "\n"
 
 
-_SIGNALS = """Generated from the declarations of the components. A signal of a result is
+_SIGNALS = """A signal of a result is
 `result["component", "signal"]`, in SI units; a vector has its three components in the axes that its meaning says,
 *world axes* being those of the scene. Forces and torques on a body are positive along the positive axis; torques of
 hinges, drives and dampers are those on the *outboard* body about the hinge line, so that a positive one opens.
@@ -110,9 +115,8 @@ def _component(kind: str, component: type[Component]) -> Iterator[str]:
     yield f"(component-{kind.replace('_', '-')})="
     yield f"## `{kind}`"
     yield ""
-    for paragraph in (getdoc(component) or "").split("\n\n"):
-        yield " ".join(paragraph.split())
-        yield ""
+    yield from _prose(getdoc(component) or "")
+    yield from _prose((import_module(component.__module__).__doc__ or "").strip())
     ports = ", ".join(f"`{port.name}`" for port in example.ports)
     side = (
         "take motion and give a wrench"
@@ -132,9 +136,19 @@ def _component(kind: str, component: type[Component]) -> Iterator[str]:
     yield from _titled("Recorded signals", _SIGNAL, _rows(example.observation_layout.quantities))
     for words, other in component.other_examples().items():
         for title, quantities in (("Commands", _commands), ("Recorded signals", _signals)):
-            known = {quantity.name for quantity in quantities(example)}
-            more = [quantity for quantity in quantities(other) if quantity.name not in known]
-            yield from _titled(f"Further {title.lower()} of {words}", _SIGNAL, _rows(more))
+            usual = {quantity.name for quantity in quantities(example)}
+            more = [quantity for quantity in quantities(other) if quantity.name not in usual]
+            yield from _titled(f"{title} of {words} in addition", _SIGNAL, _rows(more))
+
+
+def _prose(docstring: str) -> Iterator[str]:
+    """A docstring as Markdown: paragraphs, and as it stands what is indented."""
+    for part in docstring.split("\n\n"):
+        lines = part.strip("\n").split("\n")
+        if all(line.startswith("    ") for line in lines):
+            yield from ("```text", *(line[4:] for line in lines), "```", "")
+        else:
+            yield from (" ".join(" ".join(lines).split()).replace("*", r"\*"), "")
 
 
 def _commands(component: Component) -> Sequence[Quantity]:
@@ -177,11 +191,11 @@ def _shown(quantities: Iterable[Quantity]) -> Iterator[Quantity]:
 
 def _titled(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
     """A table with a title, nothing where it has no rows."""
-    given = list(rows)
-    if given:
+    listed = list(rows)
+    if listed:
         yield f"**{title}**"
         yield ""
-        yield from _table(head, given)
+        yield from _table(head, listed)
         yield ""
 
 

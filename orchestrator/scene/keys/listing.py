@@ -42,7 +42,7 @@ def key_tables() -> list[KeyTable]:
         "variant": {"type": "object"} | schema["properties"]["variant"],
     }
     rows = tuple(Key(name, _kind(one), "", "", one["description"], "") for name, one in top.items())
-    found = [KeyTable("", False, "Keys of a file outside its tables.", rows)]
+    found = [KeyTable("", False, "A file may have these keys outside of its tables.", rows)]
     for name, kind in (*TABLES.items(), *ARRAYS.items()):
         found += listing.tables(name, {"$ref": f"#/$defs/{kind.__name__}"}, name in ARRAYS)
     return found

@@ -41,13 +41,30 @@ class CoupledLines(NamedTuple):
 
 
 class _Loop(NamedTuple):
-    """A cable loop: its pulleys' axis, bodies and radii (m), and the body along which its strands are led, if any."""
+    """A cable loop: its pulleys' axis, bodies, radii (m), body along which its strands are led, if any, preload (N)."""
 
     name: str
     axis: Vector3
     bodies: tuple[str, str]
     radii: tuple[float, float]
     guide: str | None
+    preload: float
+
+
+class Strands(NamedTuple):
+    """Both strands of a cable loop: the body that they run along, the preload of each (N), radii of the pulleys (m)."""
+
+    along: str
+    preload: float
+    radii: tuple[float, float]
+
+
+def strands(scene: CheckedScene) -> Iterator[Strands]:
+    """Strands of all cable loops whose way along a body is known."""
+    for loop in _loops(scene):
+        along = _carrier(scene, loop)
+        if along is not None:
+            yield Strands(along, loop.preload, loop.radii)
 
 
 def coupled_lines(scene: CheckedScene) -> tuple[CoupledLines, ...]:
@@ -79,7 +96,8 @@ def _loops(scene: CheckedScene) -> Iterator[_Loop]:
     """Cable loops, among them those that are connections along the axes of their bodies, and are not cut."""
     for loop in scene.loops:
         bodies, radii = zip(*((one.body, one.radius) for one in (loop.pulley_1, loop.pulley_2)), strict=True)
-        yield _Loop(loop.name, loop.axis, bodies, radii, None if loop.guide is None else loop.guide.body)
+        led = None if loop.guide is None else loop.guide.body
+        yield _Loop(loop.name, loop.axis, bodies, radii, led, loop.preload)
     for one in scene.connections:
         if one.kind != CableLoop.kind or one.axes is not None:
             continue
@@ -89,12 +107,12 @@ def _loops(scene: CheckedScene) -> Iterator[_Loop]:
             bodies = (one.ports["pulley_1"].body, one.ports["pulley_2"].body)
             guide = one.ports["guide"].body if "guide" in one.ports else None
             radii = (values.parameter("radius_1"), values.parameter("radius_2"))
-            yield _Loop(one.name, structure["axis"], bodies, radii, guide)
+            yield _Loop(one.name, structure["axis"], bodies, radii, guide, values.parameter("preload"))
 
 
 def _row(scene: CheckedScene, loop: _Loop) -> dict[str, float]:
     """Coefficients (m) by line of the sum of rates that the loop keeps at zero; empty where it is not known."""
-    carrier = loop.guide or body_between(scene, loop.bodies)
+    carrier = _carrier(scene, loop)
     if carrier is None or not all(_is_carried(scene, body) for body in (*loop.bodies, carrier)):
         return {}
     first, second, middle = (_turning(scene, body, loop.axis) for body in (*loop.bodies, carrier))
@@ -105,6 +123,10 @@ def _row(scene: CheckedScene, loop: _Loop) -> dict[str, float]:
         for name in first | second | middle
     }
     return _without_nothing(row, max(loop.radii))
+
+
+def _carrier(scene: CheckedScene, loop: _Loop) -> str | None:
+    return loop.guide or body_between(scene, loop.bodies)
 
 
 def body_between(scene: CheckedScene, bodies: tuple[str, str]) -> str | None:

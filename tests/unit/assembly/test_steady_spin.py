@@ -28,11 +28,13 @@ def turning(rate):
     return scene, scene.base(points={"hub": (0, 0, 0)}, motion={"rotation": law})
 
 
-def spun(rate, second_order=12):
+def spun(rate, second_order=None):
     """A cantilever that turns about its root."""
     scene, hub = turning(rate)
     beam = {"length": LENGTH, "elements": 24, "attachment_points": {"root": 0}, "section": SECTION}
-    keys = {"fidelity": "flexible", "fixed_interface_modes": 12, "second_order_modes": second_order}
+    keys = {"fidelity": "flexible", "fixed_interface_modes": 12}
+    if second_order is not None:
+        keys["second_order_modes"] = second_order
     boom = scene.body("boom", place={"body": hub, "point": "hub"}, beam=beam, **keys)
     ports = {"inboard": {"body": hub, "point": "hub"}, "outboard": {"body": boom, "point": "root"}}
     scene.connection("clamp", "hinge", preset="fixed", axes={"x": (1, 0, 0)}, ports=ports)

@@ -29,10 +29,12 @@ def test_a_body_read_back_deploys_the_same(tmp_path, name):
     entry = fanfold.export_body("workbench", "panel", tmp_path / name).to_toml()
     wing = tmp_path / "wing.toml"
     wing.write_text(text.replace(PANEL, "") + entry, encoding="utf-8")
-    own, other = (fanfold.modes(scene).frequencies for scene in ("workbench", wing))
+    # strains to second order stay behind
+    first_order = fanfold.Scene.load("workbench").with_settings({"body.panel.second_order_modes": 0})
+    own, other = (fanfold.modes(scene).frequencies for scene in (first_order, wing))
     np.testing.assert_allclose(other, own, rtol=1e-9, atol=1e-10 * own[1])
     if name != "panel.op4":
-        own, other = (fanfold.simulate(scene, until=LATCHED, estimate=False) for scene in ("workbench", wing))
+        own, other = (fanfold.simulate(scene, until=LATCHED, estimate=False) for scene in (first_order, wing))
         assert other.latch_times["HL"] == pytest.approx(own.latch_times["HL"], rel=1e-9)
         for signal in ("latch_torque", "angle"):
             mine, theirs = (run.signal("hinge_left", signal) for run in (own, other))

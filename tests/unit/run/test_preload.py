@@ -279,7 +279,7 @@ def test_what_is_held_in_the_search_alone_bears_nothing_in_the_run():
         ports={"inboard": {"body": "ground", "point": "o"}, "outboard": {"body": "arm", "point": "p"}},
     )  # fmt: skip
     run = fanfold.simulate(scene, estimate=False)
-    assert any("pin" in one and "W-restless" in one for one in run.warnings)
+    assert any("pin" in one and "W-preload" in one for one in run.warnings)
     assert run.headline.interface_torque_peaks[1] < 1e-6 * 9.81
     # the springs of its joint have not moved yet, which the search leaves under its weight
     assert run["ground", "interface_force"][0, 2] == pytest.approx(-2.0 * 9.81, rel=1e-4)

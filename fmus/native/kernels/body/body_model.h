@@ -75,7 +75,7 @@ typedef struct {
 #define WORK_SIZE(modes, coordinates) (33 * (modes) + 13 * (coordinates) + WORK_SPLIT(modes, coordinates))
 /* what `pairs_of` takes besides, for so many modes of second order, padded */
 #define PAIRS_SIZE(rows, modes, coordinates) \
-    ((rows) ? 10 * (rows) * (coordinates) + 4 * (coordinates) + 3 * (rows) * (rows) + 5 * (rows) + (modes) : 0)
+    ((rows) ? 10 * (rows) * (coordinates) + 4 * (coordinates) + 3 * (rows) * (rows) + 6 * (rows) + (modes) : 0)
 /* what `tensions_of` takes besides, for so many forms */
 #define TENSIONS_SIZE(forms, rows) \
     ((forms) ? 7 * (forms) * (rows) + 4 * padded(forms) + 5 * (rows) * (rows) + 8 * (rows) : 0)

@@ -44,7 +44,7 @@ static inline void modal_force(const Body *body, const Load *load, const real a_
     rows_projected(body->shapes, body->padded_modes, 2 * l, work->wrenches, work->port_force, work->coupling.split);
     if (body->second_order) {
         const Pairs pairs = pairs_of(body, work);
-        pairs_projected(body, &pairs, pairs.mid, work->wrenches, work->port_force);
+        pairs_projected(body, &pairs, pairs.mid, work->wrenches, NULL, work->port_force, NULL);
     }
 }
 
@@ -77,8 +77,7 @@ static inline void modal_forces(const Body *body, const Load *load, const real a
                          work->coupling.split);
     if (body->second_order) {
         const Pairs pairs = pairs_of(body, work);
-        pairs_projected(body, &pairs, pairs.mid, wrenches, work->port_force);
-        pairs_projected(body, &pairs, pairs.mid, slopes, work->slope);
+        pairs_projected(body, &pairs, pairs.mid, wrenches, slopes, work->port_force, work->slope);
     }
 }
 

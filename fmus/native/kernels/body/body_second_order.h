@@ -10,11 +10,11 @@
 #define MODAL_TOLERANCE 1e-13
 
 /* What modal coordinates add to the shapes of the modes of second order: rows of 2 coordinates, at the end of a step, at
-   its start and at its mean. `some` holds a number a mode of second order, `last` the modal coordinates of the last
+   its start and at its mean. `some` and `slope` hold a number a mode of second order, `last` the modal coordinates of the last
    iterate. Of Newton's correction: conjugate wrenches and their slopes, by what coordinates change the forces of both,
    a matrix and its pivots. */
 typedef struct {
-    real *end, *start, *mid, *some, *last;
+    real *end, *start, *mid, *some, *slope, *last;
     double *wrenches, *slopes, *tension, *slope_tension, *matrix, *split;
     unsigned short *pivots;
     size_t count, rows, length; /* modes of second order, and padded; 2 coordinates */
@@ -27,6 +27,7 @@ static inline Pairs pairs_of(const Body *body, const Work *work) {
     pairs.start = taken(&next, pairs.rows * pairs.length);
     pairs.mid = taken(&next, pairs.rows * pairs.length);
     pairs.some = taken(&next, pairs.rows);
+    pairs.slope = taken(&next, pairs.rows);
     pairs.last = taken(&next, body->padded_modes);
     pairs.wrenches = (double *)taken(&next, pairs.length);
     pairs.slopes = (double *)taken(&next, pairs.length);
@@ -47,21 +48,52 @@ static inline const real *picked(const Body *body, const Pairs *pairs, const rea
 /* out += factor times the rows' sum with these weights, one a mode. */
 static inline void pairs_combined(const Body *body, const Pairs *pairs, const real *rows, const real *modes,
                                   double factor, real *out) {
+#ifdef FANFOLD_COMPLEX
     for (size_t s = 0; s < pairs->count; s++) {
         const real weight = factor * modes[body->second_place[s]], *row = rows + s * pairs->length;
         for (size_t i = 0; i < pairs->length; i++) out[i] += weight * row[i];
     }
+#else
+    rows_combined(rows, pairs->rows, pairs->length, picked(body, pairs, modes), pairs->split, NULL);
+    for (size_t i = 0; i < pairs->length; i++) out[i] += factor * pairs->split[i];
+#endif
 }
 
-/* force += scalar products of the rows with wrenches. */
+/* force += scalar products of the rows with wrenches; other_force += those with the others, unless NULL. */
 static inline void pairs_projected(const Body *body, const Pairs *pairs, const real *rows, const real *wrenches,
-                                   real *force) {
+                                   const real *others, real *force, real *other_force) {
+#ifdef FANFOLD_COMPLEX
     for (size_t s = 0; s < pairs->count; s++) {
         const real *row = rows + s * pairs->length;
-        real sum = 0.0;
+        real sum = 0.0, other = 0.0;
         for (size_t i = 0; i < pairs->length; i++) sum += row[i] * wrenches[i];
         force[body->second_place[s]] += sum;
+        if (!others) continue;
+        for (size_t i = 0; i < pairs->length; i++) other += row[i] * others[i];
+        other_force[body->second_place[s]] += other;
     }
+#else
+    if (others)
+        rows_projected_twice(rows, pairs->rows, pairs->length, wrenches, others, pairs->some, pairs->slope, NULL);
+    else
+        rows_projected(rows, pairs->rows, pairs->length, wrenches, pairs->some, NULL);
+    for (size_t s = 0; s < pairs->count; s++) {
+        force[body->second_place[s]] += pairs->some[s];
+        if (others) other_force[body->second_place[s]] += pairs->slope[s];
+    }
+#endif
+}
+
+/* mid = (start + end) / 2. */
+FANFOLD_VECTORISED static void averaged(const real *restrict start, const real *restrict end, size_t count,
+                                        real *restrict mid) {
+    for (size_t i = 0; i < count; i++) mid[i] = 0.5 * (start[i] + end[i]);
+}
+
+/* out -= factor (end - start). */
+FANFOLD_VECTORISED static void less_growth_of(const real *restrict start, const real *restrict end, size_t count,
+                                              real factor, real *restrict out) {
+    for (size_t i = 0; i < count; i++) out[i] -= factor * (end[i] - start[i]);
 }
 
 /* What eta adds to the shapes, in `end`, and to the deflection. */
@@ -83,11 +115,11 @@ static inline void hold_pairs(const Body *body, const Work *work) {
    those at the mean modal coordinates. */
 static inline void average_pairs(const Body *body, const Work *work, real *turns) {
     const Pairs pairs = pairs_of(body, work);
-    for (size_t i = 0; i < pairs.rows * pairs.length; i++) pairs.mid[i] = 0.5 * (pairs.start[i] + pairs.end[i]);
+    averaged(pairs.start, pairs.end, pairs.rows * pairs.length, pairs.mid);
     for (size_t s = 0; s < pairs.count; s++) {
         const size_t place = body->second_place[s], row = s * pairs.length + body->coordinates;
         const real grown = 0.125 * (work->eta[place] - work->eta_start[place]);
-        for (size_t i = 0; i < body->coordinates; i++) turns[i] -= grown * (pairs.end[row + i] - pairs.start[row + i]);
+        less_growth_of(pairs.start + row, pairs.end + row, body->coordinates, grown, turns);
     }
 }
 
@@ -101,36 +133,49 @@ static inline void tensions(const Body *body, int sloped, const Work *work, cons
                                 pairs->tension, pairs->slope_tension);
 }
 
-/* Newton's correction: takes forces and slopes on to those at the coordinates that they make. So far they make `eta`, where
-   they were computed at `last`; gains: what a unit of either moves a mode; share: of the change of the coordinates that
-   forces see. Without slopes slope_gain is NULL. */
-static inline void correct_forces(const Body *body, const double *gain, const double *slope_gain, double share,
-                                  const Work *work, real *force, real *slope) {
-    const Pairs pairs = pairs_of(body, work);
-    const size_t count = pairs.count;
-    tensions(body, slope_gain != NULL, work, &pairs);
+/* Newton's matrix, factorised: of what a correction of the coordinates makes of itself. */
+static inline void factorise_response(const Body *body, const double *gain, const double *slope_gain, double share,
+                                      const Work *work, const Pairs *pairs) {
+    const size_t count = pairs->count;
+    tensions(body, slope_gain != NULL, work, pairs);
     if (body->forms) {
         const Tensions own = tensions_of(body, work);
-        curvature_at_end(body, &own, pairs.matrix);
+        curvature_at_end(body, &own, pairs->matrix);
         for (size_t s = 0; s < count; s++)
-            for (size_t t = 0; t < count; t++) pairs.tension[s * pairs.rows + t] -= pairs.matrix[s * pairs.rows + t];
+            for (size_t t = 0; t < count; t++) pairs->tension[s * pairs->rows + t] -= pairs->matrix[s * pairs->rows + t];
     }
     for (size_t s = 0; s < count; s++) {
         const size_t place = body->second_place[s];
         const double own = share * gain[place], sloped = slope_gain ? share * slope_gain[place] : 0.0;
-        const double *tension = pairs.tension + s * pairs.rows, *changing = pairs.slope_tension + s * pairs.rows;
+        const double *tension = pairs->tension + s * pairs->rows, *changing = pairs->slope_tension + s * pairs->rows;
         for (size_t t = 0; t < count; t++)
-            pairs.matrix[s * count + t] = (s == t) - own * tension[t] - sloped * changing[t];
+            pairs->matrix[s * count + t] = (s == t) - own * tension[t] - sloped * changing[t];
+    }
+    factorise_dense(pairs->matrix, count, pairs->pivots);
+}
+
+/* Newton's correction: takes forces and slopes on to those at the coordinates that they make. So far they make `eta`, where
+   they were computed at `last`; gains: what a unit of either moves a mode; share: of the change of the coordinates that
+   forces see. Without slopes slope_gain is NULL. anew: or by the matrix of the iterate before, which changes little. */
+static inline void correct_forces(const Body *body, const double *gain, const double *slope_gain, double share, int anew,
+                                  const Work *work, real *force, real *slope) {
+    const Pairs pairs = pairs_of(body, work);
+    const size_t count = pairs.count;
+    if (anew) factorise_response(body, gain, slope_gain, share, work, &pairs);
+    for (size_t s = 0; s < count; s++) {
+        const size_t place = body->second_place[s];
         pairs.some[s] = work->eta[place] - pairs.last[place];
     }
-    factorise_dense(pairs.matrix, count, pairs.pivots);
     solve_dense(pairs.matrix, count, pairs.pivots, (double *)pairs.some, sizeof(real) / sizeof(double));
-    for (size_t s = 0; s < count; s++)
-        for (size_t t = 0; t < count; t++) {
-            force[body->second_place[s]] += share * pairs.tension[s * pairs.rows + t] * pairs.some[t];
-            if (slope_gain)
-                slope[body->second_place[s]] += share * pairs.slope_tension[s * pairs.rows + t] * pairs.some[t];
-        }
+    for (size_t s = 0; s < count; s++) {
+        const double *tension = pairs.tension + s * pairs.rows, *changing = pairs.slope_tension + s * pairs.rows;
+        real gained = 0.0, grown = 0.0;
+        for (size_t t = 0; t < count; t++) gained += tension[t] * pairs.some[t];
+        force[body->second_place[s]] += share * gained;
+        if (!slope_gain) continue;
+        for (size_t t = 0; t < count; t++) grown += changing[t] * pairs.some[t];
+        slope[body->second_place[s]] += share * grown;
+    }
 }
 
 /* The same over a step of a body whose bending stretches it, whose forces depend on first moments of the rates as well. */
@@ -172,17 +217,23 @@ static inline void correct_stretching_forces(const Body *body, const Propagator 
         }
 }
 
-/* Whether the iteration has found the modal coordinates, from which the next one starts. */
-static inline int settled(const Body *body, const Work *work) {
+/* Largest change of the modal coordinates by an iteration, over the largest of them; not finite where one is not. */
+static inline double modal_change(const Body *body, const Work *work) {
     const Pairs pairs = pairs_of(body, work);
-    double change = 0.0, scale = 0.0;
-    int rest = 1;
+    double change = 0.0, scale = 0.0, sum = 0.0;
     for (size_t j = 0; j < body->padded_modes; j++) {
-        change = fmax(change, fabs(value_of(work->eta[j] - pairs.last[j])));
-        scale = fmax(scale, fmax(fabs(value_of(work->eta[j])), fabs(value_of(work->eta_start[j]))));
-        rest = rest && work->eta[j] == work->eta[j];
+        const double now = value_of(work->eta[j]), start = fabs(value_of(work->eta_start[j]));
+        const double moved = fabs(now - value_of(pairs.last[j])), size = fabs(now) > start ? fabs(now) : start;
+        change = moved > change ? moved : change;
+        scale = size > scale ? size : scale;
+        sum += now;
     }
-    return rest && change <= MODAL_TOLERANCE * scale;
+    return sum - sum != 0.0 ? NAN : scale > 0.0 ? change / scale : 0.0;
+}
+
+/* Whether the next iteration would change them by less: by as much less than this one as this did than the one before. */
+static inline int settled(double change, double before, double tolerance) {
+    return change <= tolerance || change * change <= tolerance * before;
 }
 
 #endif

@@ -12,17 +12,18 @@
 #define ANGLE_ROUNDING 1e-9
 #define SLOPE_TOLERANCE 1e-12
 #define STATIC_ITERATIONS 3
+#define SLOW 0.1 /* contraction of an iteration, from which on its matrix is made anew */
 
 #ifdef FANFOLD_COMPLEX
 
-/* Whether slopes have come to rest relative to the largest of them. */
-static inline int slopes_converged(const real *last, const real *next, size_t count) {
+/* Largest change of slopes over the largest of them; infinite where one is not finite. */
+static inline double slope_change(const real *last, const real *next, size_t count) {
     double change = 0.0, largest = 0.0;
     for (size_t i = 0; i < count; i++) {
         change = fmax(change, fabs(cimag(next[i]) - cimag(last[i])));
         largest = fmax(largest, fabs(cimag(next[i])));
     }
-    return change <= SLOPE_TOLERANCE * largest;
+    return change > 0.0 ? change / largest : 0.0;
 }
 
 /* Derivatives are those of a step that has been made. */
@@ -32,9 +33,9 @@ static inline int slopes_converged(const real *last, const real *next, size_t co
 
 #define REFUSING 1
 
-static inline int slopes_converged(const real *last, const real *next, size_t count) {
+static inline double slope_change(const real *last, const real *next, size_t count) {
     (void)last, (void)next, (void)count;
-    return 1;
+    return 0.0;
 }
 
 #endif
@@ -51,7 +52,7 @@ static inline int turned_less(Vector3 last, Vector3 next, double h, double angle
 /* Whether an iteration has come to rest. */
 static inline int converged(Vector3 last, Vector3 next, double h) {
     const real before[3] = {last.x, last.y, last.z}, after[3] = {next.x, next.y, next.z};
-    return turned_less(last, next, h, ANGLE_TOLERANCE) && slopes_converged(before, after, 3);
+    return turned_less(last, next, h, ANGLE_TOLERANCE) && slope_change(before, after, 3) <= SLOPE_TOLERANCE;
 }
 
 /* Rotations of mid-step and of the end of the step, turned from the start by half a step twice. */
@@ -105,19 +106,38 @@ static inline Vector3 bend_of(const Body *body, Vector3 moment_slope, double h, 
     return vector_scaled(h / 6.0, turning);
 }
 
-/* The modes over a step whose forces depend on where they end, by Newton's iteration. */
-static inline void propagate_corrected(const Body *body, const Propagator *prop, int sloped, const Work *work) {
+/* Takes the modes of second order over a step on by what Newton's correction adds to their forces and slopes. */
+static inline void propagate_change(const Body *body, const Propagator *prop, int sloped, const Work *work,
+                                    const real *slope_before) {
+    const double sixth = prop->h / 6.0;
+    for (size_t s = 0; s < body->second_order; s++) {
+        const size_t j = body->second_place[s];
+        const real force = work->port_force[j], slope = sloped ? work->slope[j] - slope_before[s] : 0.0;
+        const real travel = prop->b1[j] * force + prop->c1[j] * slope, gain = prop->a12[j] * force + prop->c2[j] * slope;
+        work->force[j] += force;
+        work->eta[j] += travel;
+        work->pi[j] += gain;
+        work->eta_mean[j] += 0.5 * travel;
+        work->rate_mean[j] += 0.5 * gain - sixth * slope;
+    }
+}
+
+/* The modes over a step whose forces depend on where they end, by Newton's iteration; anew: with a matrix of here. */
+static inline void propagate_corrected(const Body *body, const Propagator *prop, int sloped, int anew, const Work *work) {
     const size_t n = body->padded_modes;
     for (size_t j = 0; j < n; j++) work->port_force[j] = 0.0;
-    if (body->forms) {
-        moments_of_momenta(&body->oscillators, prop, n, work);
-        correct_stretching_forces(body, prop, sloped, work, work->port_force, work->slope);
-    } else {
-        correct_forces(body, prop->b1, sloped ? prop->c1 : NULL, 0.5, work, work->port_force, work->slope);
+    if (!body->forms) {
+        const Pairs pairs = pairs_of(body, work);
+        for (size_t s = 0; s < pairs.count; s++) pairs.slope[s] = work->slope[body->second_place[s]];
+        correct_forces(body, prop->b1, sloped ? prop->c1 : NULL, 0.5, anew, work, work->port_force, work->slope);
+        propagate_change(body, prop, sloped, work, pairs.slope);
+        return;
     }
+    moments_of_momenta(&body->oscillators, prop, n, work);
+    correct_stretching_forces(body, prop, sloped, work, work->port_force, work->slope);
     propagate(prop, n, work);
-    if (sloped || body->forms) propagate_slopes(prop, n, work);
-    if (body->forms) moments_of_momenta(&body->oscillators, prop, n, work);
+    propagate_slopes(prop, n, work);
+    moments_of_momenta(&body->oscillators, prop, n, work);
 }
 
 /* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. Whether it has found
@@ -129,6 +149,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     const Vector3 start = constant_vector(x + X_ANGULAR_VELOCITY), momentum_start = constant_vector(x + X_SPIN);
     real *turns = work->rates;
     Vector3 momentum, bend = {0.0, 0.0, 0.0};
+    double change = 0.0, before = 0.0, slope_of = 0.0, slope_before = 0.0; /* by iterations, of modes of second order */
     int done = 0, found = 0, sloped = load->sloped || body->forms; /* tension changes within a step */
     start_modes(body, x, work, turned->inertia_end);
     deformed_arms(body, work->eta_start, work);
@@ -152,7 +173,8 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
         }
         propagate(prop, n, work);
         if (sloped) propagate_slopes(prop, n, work);
-        if (body->second_order) propagate_corrected(body, prop, load->sloped, work);
+        if (body->second_order)
+            propagate_corrected(body, prop, load->sloped, i != 1 && !(i && change <= SLOW * before), work);
         if (body->forms) end_tensions(body, work->eta, work->moment, work);
         evaluate_coupling(body, work->eta, &work->coupling, turned->inertia_end);
         deformed_arms(body, work->eta, work);
@@ -167,8 +189,12 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
         done = converged(turned->omega, next, h);
         found = turned_less(turned->omega, next, h, ANGLE_ROUNDING);
         if (body->second_order) {
-            found = found && settled(body, work);
-            done = done && found && slopes_converged(pairs_of(body, work).last, work->eta, n);
+            before = change;
+            change = modal_change(body, work);
+            slope_before = slope_of;
+            slope_of = slope_change(pairs_of(body, work).last, work->eta, n);
+            found = found && settled(change, before, MODAL_TOLERANCE);
+            done = done && found && settled(slope_of, slope_before, SLOPE_TOLERANCE);
         }
         turned->omega = next;
     }
@@ -293,7 +319,7 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
             if (body->second_order) memcpy(pairs_of(body, &work).last, work.eta, n * sizeof(real));
             for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
             if (body->second_order) {
-                correct_forces(body, compliance, NULL, 1.0, &work, work.port_force, NULL);
+                correct_forces(body, compliance, NULL, 1.0, 1, &work, work.port_force, NULL);
                 for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
             }
             deformed_arms(body, work.eta, &work);

@@ -23,7 +23,7 @@ def test_every_scene_key_is_in_the_reference(pages):
     parts = re.split(r"^###? ", pages["scene"], flags=re.MULTILINE)
     sections = {part.split("\n")[0].strip("`[]"): part for part in parts}
     for table in key_tables():
-        section = sections[table.place or "Outside tables"]
+        section = sections[table.place or "Outside of the tables"]
         for key in table.keys:
             row = next(line for line in section.splitlines() if line.startswith(f"| `{key.name}` |"))
             assert key.unit in row

@@ -1,0 +1,221 @@
+"""Modes of second order where a scene states none: those whose stiffness loads along the body, or its spin, change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from math import sqrt
+from typing import NamedTuple, Self
+
+import numpy as np
+from scipy.linalg import block_diag, eigh, null_space
+
+from components.contract.component import ComponentError, Vector
+from components.flexible.modal import ModalData, rigid_motion
+from components.load import Load
+
+from ..scene.bodies import attachments, body_definition, body_model, motions
+from ..scene.body_tables import Body
+from ..scene.hinge_line_tables import HingeLine
+from ..scene.loops.coupled_lines import strands
+from ..scene.schema import CheckedScene
+from ..scene.table import SceneError
+from . import Part
+from .driving import load_laws
+
+FELT = 0.01
+"""Of the stiffness of a mode: half of it is the change of its frequency, so that peaks are off by 0.5 %."""
+_SAMPLES = 257
+
+
+def with_second_order(scene: CheckedScene, bending: Mapping[str, bool]) -> dict[str, Body]:
+    """Bodies by name, with a number of modes of second order where the scene states none.
+
+    bending: whether each body has modes in the run; others keep what the scene says.
+    """
+    spin, bodies = fastest_turn(scene), {body.name: body for body in scene.bodies}
+    for name, body in bodies.items():
+        if bending[name] and body.second_order_modes is None and supplies_second_order(body):
+            try:
+                count = _chosen(scene, body, spin)
+            except ComponentError as error:
+                raise SceneError([f"{scene.file}: body.{name}: {error}"]) from None
+            bodies[name] = body.model_copy(update={"second_order_modes": count})
+    return bodies
+
+
+def supplies_second_order(body: Body) -> bool:
+    """Whether a body can have modes of second order, and its geometry does not choose them itself."""
+    if not body.can_bend or body.inertia_coupling != "full":
+        return False
+    definition = body_definition(body)
+    stretches = definition.panel is not None and definition.panel.plate.geometry == "von_karman"
+    return definition.imported is None and not stretches
+
+
+def _chosen(scene: CheckedScene, body: Body, spin: float) -> int:
+    """Modes from the lowest up to the last one that loads change; all where the body spins (rad/s)."""
+    data = _unfiltered(body)
+    modes = data.frequency
+    load, joints = AxialLoad.of(scene, body), joint_places(scene, body)
+    if spin and spin**2 > FELT * held_frequency(data, joints) ** 2:
+        return int(modes.size)
+    if not joints or not any(load):
+        return 0
+    ways = ways_through(_unfiltered(body, modes.size), joints)
+    shares = np.max([load.over(way.span) * np.abs(np.diag(way.taken)) for way in ways], axis=0, initial=0.0)
+    return int(np.flatnonzero(shares > FELT).max(initial=-1)) + 1
+
+
+def all_second_order(body: Body) -> ModalData:
+    """The body with every mode of second order that is not switched off; imported ones have none."""
+    count = 0 if body_definition(body).imported is not None else _unfiltered(body).frequency.size
+    return body_model(body.model_copy(update={"second_order_modes": count}), flexible=True)
+
+
+def _unfiltered(body: Body, second_order: int = 0) -> ModalData:
+    """The body before modes are switched off, of which so many are of second order."""
+    keys = {"second_order_modes": second_order, "modes_off": (), "frequencies_off": ()}
+    return body_model(body.model_copy(update=keys), flexible=True)
+
+
+class Way(NamedTuple):
+    """From one joint of a body to another: the distance (m), and what a newton that presses both takes of modes.
+
+    taken: (S, S), shares of their stiffness; the inverse of its largest eigenvalue is Euler's load (N).
+    """
+
+    span: float
+    taken: Vector
+
+    def euler(self, kept: int = 0) -> float:
+        """The load (N) that makes modes from a number on bend out."""
+        most = float(np.linalg.eigvalsh(self.taken[kept:, kept:]).max(initial=0.0))
+        return 1.0 / max(most, float(np.finfo(float).tiny))
+
+
+def ways_through(data: ModalData, joints: Sequence[Sequence[str]]) -> list[Way]:
+    """Between every two joints, each by the points of the body that it holds; a single one presses its inertia.
+
+    None of imported bodies, of which strains to second order are not known.
+    """
+    low = data.second_order_modes
+    if not low:
+        return []
+    stiffness = np.outer(data.frequency[:low], data.frequency[:low])
+    places = [[data.point_names.index(point) for point in joint] for joint in joints]
+    ends = [(data.point_positions[at].mean(0), data.second_order_points[at, :3].mean(0)) for at in places]
+    if len(ends) == 1:
+        ends.append((data.center_of_mass, np.zeros((3, low, low))))
+    ways = []
+    for (here, moved_here), (there, moved_there) in combinations(ends, 2):
+        span = float(np.linalg.norm(there - here))
+        if span:
+            along = (there - here) / span
+            ways.append(Way(span, np.tensordot(along, moved_here - moved_there, axes=1) / stiffness))
+    return ways
+
+
+def joint_places(scene: CheckedScene, body: Body) -> list[list[str]]:
+    """Points of a body by what holds it or acts on it there: hinge lines with all their hinges, else connections."""
+    line_of = {hinge.name: line.name for line in scene.hinge_lines for hinge in line.hinges}
+    found: dict[str, list[str]] = {}
+    for one in attachments(scene.hinge_lines, (), (), scene.connections):
+        if one.body == body.name:
+            found.setdefault(line_of.get(one.connection, one.connection), []).append(one.point)
+    return list(found.values())
+
+
+class AxialLoad(NamedTuple):
+    """Estimate of what presses a body along it: N, and, over the distance that latch-up acts across, N.m."""
+
+    force: float
+    strands: float
+    slack_strand: float
+    latch_up: float
+
+    def over(self, span: float) -> float:
+        """The force (N) between joints so far apart (m); while a line latches strands have their preload."""
+        return self.force + max(self.slack_strand, self.strands + self.latch_up / span)
+
+    @classmethod
+    def of(cls, scene: CheckedScene, body: Body) -> Self:
+        """By weight, inertia and loads, by cable loops along it and the motors of its wing, which latches take up."""
+        own = list(scene.lines_inward(body.name))
+        wing = [
+            line
+            for line in scene.hinge_lines
+            if not line.held and _root(scene, line) in {one.name for one in own}
+        ]
+        loops = [one for one in strands(scene) if one.along == body.name]
+        torque = sum(abs(line.motor_law.value(line.initial_angle)) for line in wing)
+        stiffness = max((line.latch.stiffness for line in wing if line.latch is not None), default=0.0)
+        return cls(
+            _weight(scene, body, own) + _loads(scene),
+            sum(2.0 * one.preload for one in loops),
+            max((torque / min(one.radii) for one in loops), default=0.0),
+            sqrt(2.0 * sum(line.motor_energy for line in wing) * stiffness),
+        )
+
+
+def _root(scene: CheckedScene, line: HingeLine) -> str:
+    """Name of the line that carries all that this one belongs to."""
+    return [one.name for one in scene.lines_inward(line.outboard)][-1]
+
+
+def _weight(scene: CheckedScene, body: Body, own: Sequence[HingeLine]) -> float:
+    """Of a body and all that it carries (N), across its hinge line, by gravity and what its base follows."""
+    gravity = np.array(scene.header.gravity)
+    if own:
+        axis = np.array(own[0].axis)
+        gravity = np.cross(gravity, axis / np.linalg.norm(axis))
+    across = float(np.linalg.norm(gravity))
+    times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
+    shifts = [shift for shift, _ in (motion.laws for motion in motions(scene).values())]
+    across += max((abs(shift.acceleration(time)) for shift in shifts for time in times), default=0.0)
+    if not across:
+        return 0.0
+    carried = [
+        other
+        for other in scene.bodies
+        if not own or any(line.name == own[0].name for line in scene.lines_inward(other.name))
+    ]
+    return across * sum(body_model(other, flexible=False).mass for other in carried)
+
+
+def _loads(scene: CheckedScene) -> float:
+    """Largest forces (N) of all loads that follow laws, which joints pass on."""
+    times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
+    laws = [load_laws(one)[0] for one in scene.connections if one.kind == Load.kind]
+    return sum(max(abs(law.value(time)) for time in times) for law in laws)
+
+
+def held_frequency(data: ModalData, joints: Sequence[Sequence[str]]) -> float:
+    """Lowest frequency (rad/s) of a body clamped at the points of one of its joints, infinite without joints or modes.
+
+    A spin is slow or fast relative to it: clamped at an end a beam vibrates six times slower than free.
+    """
+    found, count = np.inf, data.frequency.size
+    mass = block_diag(data.mass * np.eye(3), data.inertia, np.eye(count))
+    stiffness = np.diag(np.concatenate((np.zeros(6), data.frequency**2)))
+    for joint in joints if count else ():
+        places = [data.point_names.index(point) for point in joint]
+        rigid = np.vstack([rigid_motion(data.point_positions[at] - data.center_of_mass) for at in places])
+        modal = np.vstack([part[at] for at in places for part in (data.translation, data.rotation)])
+        free = null_space(np.hstack((rigid, modal)))
+        if free.size:
+            lowest = eigh(free.T @ stiffness @ free, free.T @ mass @ free, eigvals_only=True)[0]
+            found = min(found, float(np.sqrt(max(lowest, 0.0))))
+    return float(found)
+
+
+def second_order_modes(part: Part) -> int:
+    """How many modes of a modal body are of second order."""
+    return int(np.shape(part.structure["modal"]["second_order_points"])[-1])
+
+
+def fastest_turn(scene: CheckedScene, until: float | None = None) -> float:
+    """Largest rate (rad/s) of turns that motions of the scene follow, up to a time (s), by default its end."""
+    times = np.linspace(0.0, scene.header.until if until is None else until, _SAMPLES).tolist()
+    turns = [turn for _, turn in (motion.laws for motion in motions(scene).values())]
+    return max((abs(turn.rate(time)) for turn in turns for time in times), default=0.0)
