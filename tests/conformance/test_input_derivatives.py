@@ -156,17 +156,17 @@ def test_a_seed_that_is_no_number_is_refused(seed):
     assert fmu.step(0.0, H) == OK
     with pytest.raises(Exception, match="DirectionalDerivative"):
         fmu.slave.getDirectionalDerivative([reference.firsts[2]], values[:1], [seed])
-    assert "it must be finite" in fmu.log[-1]
+    assert "finite" in fmu.log[-1]
 
 
 @pytest.mark.parametrize(
     ("name", "order", "value", "sentence"),
     [
-        ("{port}.force[1]", 2, 1.0, "of order 1, not of order 2"),
+        ("{port}.force[1]", 2, 1.0, "order 2"),
         ("{port}.force[1]", 1, np.nan, "must be a finite number"),
-        ("{port}.force_slope[1]", 1, 1.0, "takes no derivative"),
-        ("{port}.position[1]", 1, 1.0, "takes no derivative"),
-        (None, 1, 1.0, "is not that of an input"),
+        ("{port}.force_slope[1]", 1, 1.0, "no derivative"),
+        ("{port}.position[1]", 1, 1.0, "no derivative"),
+        (None, 1, 1.0, "an input"),
     ],
 )
 def test_what_takes_no_derivative_is_told(name, order, value, sentence):

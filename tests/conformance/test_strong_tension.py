@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -95,9 +97,9 @@ def test_a_step_without_an_end_is_refused(pair):
     fmu, reference = pair
     u = pulled(np.random.default_rng(5), 1e4 * EULER)
     fmu.set(reference.firsts[1], u)
-    sentence = "a step of 0.005 s comes to no end in 40 iterations of turn and deflection; take smaller steps or loads"
+    sentence = r"0\.005 s .*40 iterations"
     assert fmu.step(0.0, H) != OK
-    assert sentence in fmu.log[-1]
+    assert re.search(sentence, fmu.log[-1])
     reference.u = u
     with pytest.raises(ComponentError, match=sentence):
         reference.step(H)

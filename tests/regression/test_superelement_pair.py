@@ -159,4 +159,4 @@ def test_command_writes_histories_and_shows_extremes(run, tmp_path):
     assert time == run.time[np.argmax(found.values[:, 4])]
     refused = CliRunner().invoke(main, ["analyse", "outputs", str(run.path), "--body", "base"])
     assert refused.exit_code == 1
-    assert "there is no component 'base'" in refused.stderr.replace("\n", " ")
+    assert "'base'" in refused.stderr.replace("\n", " ")

@@ -86,8 +86,8 @@ def test_types_are_checked(tmp_path):
     path.write_text("import orchestrator\norchestrator.simulate(3)\norchestrator.simulat\n", encoding="utf-8")
     code, told = output_of(tool("mypy"), "--no-error-summary", str(path))
     assert code == 1
-    assert '"simulate" has incompatible type "int"' in told
-    assert 'Module has no attribute "simulat"' in told
+    assert 'type "int"' in told
+    assert 'attribute "simulat"' in told
 
 
 def test_import_contracts_hold():
@@ -220,4 +220,4 @@ def test_packages_share_one_folder():
     names = ["components", "fmus", "orchestrator"]
     assert PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"] == names
     assert PROJECT["tool"]["check-wheel-contents"]["toplevel"] == names
-    assert "Private :: Do Not Upload" in PROJECT["project"]["classifiers"]
+    assert any(classifier.startswith("Private ::") for classifier in PROJECT["project"]["classifiers"])

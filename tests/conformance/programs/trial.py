@@ -253,7 +253,7 @@ def refuse_state(fmu, strange):
 
 def said(fmu, status, expected, *words):
     assert status == expected, f"status {status}, not {expected}: {fmu.log}"
-    last = [line for line in fmu.log if "Fatal py exception" not in line][-1]
+    last = [line for line in fmu.log if "py exception" not in line][-1]
     assert all(word in last for word in words), last
     assert "Traceback" not in last
 

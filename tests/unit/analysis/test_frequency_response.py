@@ -235,7 +235,7 @@ def test_command(tmp_path, monkeypatch):
     assert "largest resonances" in CliRunner().invoke(main, arguments).stdout
     refused = CliRunner().invoke(main, [*arguments, "--to", "0.5"])
     assert refused.exit_code == 2
-    assert "must be above" in refused.stderr
+    assert "--from 1 Hz" in refused.stderr
 
 
 def test_an_output_without_a_resonance_is_listed():

@@ -140,7 +140,7 @@ def test_series_of_structure_and_hinges(tmp_path):
     assert series(total.structure, 2939.0) == pytest.approx(total.total, rel=1e-12)
     assert structure.structure == pytest.approx(9023.0, rel=2e-3)  # 8.41 Hz is given to 6e-4
     assert structure.total == pytest.approx(series(structure.structure, 2939.0), rel=1e-12)
-    with pytest.raises(SceneError, match="must be above the total"):
+    with pytest.raises(SceneError, match="2216"):
         tune(scene, line, {}, 4.1672, "total", 2000.0)
 
 
@@ -246,9 +246,9 @@ def test_command(tmp_path):
     assert len(content["latch_law"]["deflection_rad"]) == 3
     assert "latch law" in CliRunner().invoke(main, [*arguments, *given]).stdout
     for extra, words in (
-        ([], "inner and outer are rigid"),
-        (["--line", "HL7"], "there is no hinge line 'HL7'"),
-        (["--frequency", "4", "--hinge-stiffness", "soft"], "the stiffness is"),
+        ([], "inner"),
+        (["--line", "HL7"], "'HL7'"),
+        (["--frequency", "4", "--hinge-stiffness", "soft"], "'soft'"),
     ):
         refused = CliRunner().invoke(main, [*arguments, *extra])
         assert refused.exit_code in (1, 2)
@@ -272,14 +272,14 @@ def test_a_wing_of_one_panel_is_tuned_as_the_pair_is():
 
 
 def test_a_frequency_that_no_spring_reaches_is_told():
-    with pytest.raises(fanfold.FanfoldError, match="with any spring of this line the rigid wing has"):
+    with pytest.raises(fanfold.FanfoldError, match=r"hinge_line\.HL: .*5e\+04 Hz"):
         fanfold.wing_latch_tuning("workbench", "HL", frequency=5e4)
 
 
 def test_the_command_tunes_the_wing():
     run = CliRunner().invoke(main, ["analyse", "latch-tuning", "workbench", "--line", "HL", "--wing"])
     assert run.exit_code == 0, run.output
-    assert "N.m/rad the rigid wing has" in run.output
+    assert "N.m/rad" in run.output
     refused = ["analyse", "latch-tuning", "workbench", "--line", "HL", "--wing", "--stiffness-of", "total"]
     assert CliRunner().invoke(main, refused).exit_code == 2
 

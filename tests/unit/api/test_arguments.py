@@ -6,23 +6,23 @@ import orchestrator as fanfold
 
 SCENE = "workbench"
 WRONG = {
-    "sweeps, none": (lambda: fanfold.quasi_static(SCENE, {}), "no line is swept; give one, such as"),
+    "sweeps, none": (lambda: fanfold.quasi_static(SCENE, {}), "swept"),
     "sweeps, one end": (
         lambda: fanfold.quasi_static(SCENE, {"HL1": 45}),
-        "the sweep of HL1 is 45; give the angles",
+        "HL1 .*45",
     ),
-    "sweeps, text": (lambda: fanfold.quasi_static(SCENE, "HL1"), "sweeps: is 'HL1'; give values by line"),
+    "sweeps, text": (lambda: fanfold.quasi_static(SCENE, "HL1"), "sweeps: .*'HL1'"),
     "torques": (
         lambda: fanfold.torque_margin(SCENE, torques={"HL1": 0.1}),
-        "the torques of HL1: is 0.1; give values by line",
+        "torques of HL1: ",
     ),
     "angles": (
         lambda: fanfold.modes(SCENE, angles="HL1=45deg"),
-        "angles: is 'HL1=45deg'; give values by line",
+        "angles: .*'HL1=45deg'",
     ),
-    "count": (lambda: fanfold.modes(SCENE, count=2.5), "count is 2.5; it must be a whole number"),
+    "count": (lambda: fanfold.modes(SCENE, count=2.5), "count .*2.5"),
     "low": (lambda: fanfold.frequency_response(SCENE, low="1 N"), r"low is '1 N'"),
-    "positions": (lambda: fanfold.restart(SCENE, (0.5,)), "0.5 is no position to restart from"),
+    "positions": (lambda: fanfold.restart(SCENE, (0.5,)), "0.5 .*restart"),
 }
 
 
@@ -41,7 +41,7 @@ def test_frequencies_with_units_and_one_point():
 
 
 def test_a_signal_refuses_times_that_are_none():
-    with pytest.warns(fanfold.FanfoldWarning, match="HL has not latched"):
+    with pytest.warns(fanfold.FanfoldWarning, match="HL .*W-not-opened"):
         result = fanfold.simulate(SCENE, until=0.01, estimate=False)
-    with pytest.raises(fanfold.FanfoldError, match="'soon' are no times; give numbers, in s"):
+    with pytest.raises(fanfold.FanfoldError, match="'soon'"):
         result["workbench_table", "interface_force"].at("soon")

@@ -34,7 +34,7 @@ def latched(tmp_path_factory):
     return fanfold.Result.open(synthetic_result.write(tmp_path_factory.mktemp("r") / "synthetic.h5"))
 
 
-@pytest.mark.filterwarnings("ignore:two_panels. the interface force peak")  # both tell it
+@pytest.mark.filterwarnings("ignore:two_panels.*W-")  # both tell it
 def test_terminal_and_face_are_one(result, tmp_path):
     """Same numbers: the command line and `simulate` give the same headline, bit for bit."""
     arguments = ["run", str(WING), "--until", "0.2", "--output", str(tmp_path / "a.h5"), "--json"]
@@ -53,7 +53,7 @@ def test_memory_and_file_are_one(result, tmp_path):
     assert saved.path == tmp_path / "a.h5"
     again = fanfold.load(tmp_path / "a.h5")
     assert isinstance(again, fanfold.Result)
-    with pytest.raises(fanfold.FanfoldError, match="leave them out"):
+    with pytest.raises(fanfold.FanfoldError, match="settings"):
         fanfold.load(tmp_path / "a.h5", settings={"scene.until": 1.0})
     assert again.complete
     assert again.components == result.components
@@ -83,17 +83,17 @@ def test_a_signal_is_an_array_with_unit_and_time(result):
 
 
 def test_wrong_signals_are_told(result):
-    with pytest.raises(ResultError, match="there is no component 'door'"):
+    with pytest.raises(ResultError, match="'door'"):
         result["door", "angle"]
-    with pytest.raises(ResultError, match="root has no signal 'colour'"):
+    with pytest.raises(ResultError, match="'colour'"):
         result["root", "colour"]
-    with pytest.raises(ResultError, match="give its component and its variable"):
+    with pytest.raises(ResultError, match="'root'"):
         result["root"]
-    with pytest.raises(ResultError, match="there is no hinge line 'HL9'"):
+    with pytest.raises(ResultError, match="'HL9'"):
         result.latch_torque("HL9")
-    with pytest.raises(ResultError, match="there is no figure 'torques'; figures are deployment_angles"):
+    with pytest.raises(ResultError, match=r"'torques'.*deployment_angles"):
         result.plot("torques")
-    with pytest.raises(ResultError, match="there is no figure 'damper_loads'"):
+    with pytest.raises(ResultError, match="'damper_loads'"):
         result.plot("damper_loads")
 
 
@@ -113,11 +113,11 @@ def test_an_instant_is_read_before_or_after_what_happens_there(latched):
 def test_times_and_tolerances_may_be_texts(latched):
     """As all quantities may."""
     assert latched.at("1000 ms").time == latched.at(1.0).time
-    with pytest.raises(fanfold.FanfoldError, match="the time is 'soon'"):
+    with pytest.raises(fanfold.FanfoldError, match="'soon'"):
         latched.at("soon")
     with pytest.raises(fanfold.FanfoldError, match="tolerance is 'tight'"):
         fanfold.simulate(WING, tolerance="tight")
-    with pytest.raises(fanfold.FanfoldError, match="3 is no name, and no list of names"):
+    with pytest.raises(fanfold.FanfoldError, match="3 is no"):
         fanfold.simulate(WING, rigid=3)
 
 
@@ -132,7 +132,7 @@ def test_between_samples_values_are_on_the_line(latched):
     np.testing.assert_array_equal(angle.at([time[3], time[5]]), angle[[3, 5]])
     assert latched["panel1", "frame_position"].at([1.0, 2.0]).shape == (2, 3)
     assert latched.at(time[-1])["hl2_left", "angle"] == angle[-1]
-    with pytest.raises(ResultError, match="there is nothing at t = 99 s; the result goes from 0 to"):
+    with pytest.raises(ResultError, match="99 s"):
         latched.at(99.0)
     with pytest.raises(ResultError, match="must be 'before' or 'after'"):
         latched.at(1.0, "left")
@@ -152,7 +152,7 @@ def test_figures_are_matplotlibs(tmp_path):
     others = tuple(name for name in synthetic_result.signals()[1] if not name.startswith("hl1"))
     hinges = fanfold.Result.open(synthetic_result.write(tmp_path / "run.h5", leave_out=others))
     figure = hinges.plot("latch_torques")
-    assert figure.get_suptitle() == "Latch torque, sum over the hinges of a line"
+    assert "hinges of" in figure.get_suptitle()
     written = hinges.plot_all(tmp_path / "pictures")
     assert [path.stem for path in written] == ["deployment_angles", "latch_torques"]
     assert all(path.is_file() for path in written)
@@ -175,7 +175,7 @@ def test_a_data_frame_has_every_signal(latched, monkeypatch):
     )
     assert set(latched.to_dataframe("base")) == {name for name in frame if name.startswith("base.")}
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ResultError, match="needs pandas, which is not installed: pip install pandas"):
+    with pytest.raises(ResultError, match="pip install"):
         latched.to_dataframe()
 
 
@@ -189,13 +189,11 @@ def test_what_is_not_as_it_should_be_is_a_warning():
             "hinge_line.middle_line.end_stop": {"stiffness": 2000},
         }
     )
-    with pytest.warns(
-        fanfold.FanfoldWarning, match=r"root_line has not latched\. At 0\.1 s it is stuck"
-    ) as told:
+    with pytest.warns(fanfold.FanfoldWarning, match=r"root_line .*0\.1 s .*W-not-opened") as told:
         found = fanfold.simulate(stuck, until=0.1, estimate=False)
     assert told[0].filename == __file__
     said = [str(one.message) for one in told]
-    assert "friction and harness, 5 N.m" in said[0]  # of the scene, before the run
+    assert " 5 N.m" in said[0]  # of the scene, before the run
     assert list(found.warnings) == said
 
 
@@ -251,7 +249,7 @@ def test_verification_of_a_run(result):
         warnings.simplefilter("error")
         rows = {row.number.quantity: row for row in result.verify()}
     assert rows["motor work"].error < 1e-2 * rows["motor work"].number.value
-    with pytest.raises(fanfold.FanfoldError, match="only the result of a run of this session"):
+    with pytest.raises(fanfold.FanfoldError, match="verified"):
         fanfold.Result.of(result).verify()
 
 

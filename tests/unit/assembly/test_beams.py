@@ -115,17 +115,17 @@ def test_held_lines_make_it_rigid():
 @pytest.mark.parametrize(
     ("keys", "fidelities", "sentence"),
     [
-        ({}, {"large_deformation": {"panel"}}, "body.panel: only a body with a beam can deform largely"),
-        ({}, {"large_deformation": {"bom"}}, "there is no body 'bom'; bodies are panel, boom"),
+        ({}, {"large_deformation": {"panel"}}, "body.panel: .*beam"),
+        ({}, {"large_deformation": {"bom"}}, "'bom'.*panel, boom"),
         (
             {},
             {"large_deformation": {"boom"}, "rigid": {"all"}},
-            "cannot be both rigid and of large deformation",
+            "body.boom: .*rigid",
         ),
         (
             {"attached_masses": [{"point": "tip", "mass": "1 kg"}]},
             {"large_deformation": {"all"}},
-            "body.boom.attached_masses: a beam of large deformation carries none",
+            "body.boom.attached_masses: ",
         ),
     ],
 )
@@ -135,7 +135,7 @@ def test_what_cannot_be_is_a_sentence(keys, fidelities, sentence):
 
 
 def test_a_scene_without_beams():
-    with pytest.raises(SceneError, match="no body has a beam"):
+    with pytest.raises(SceneError, match="--large-deformation"):
         assemble(fanfold.load("workbench").check(), large_deformation={"all"})
 
 
@@ -153,7 +153,7 @@ def test_check_tells_the_fidelity():
     assert overview["boom"] == "large deformation, 8 elements"
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_all_three_open_alike_and_pictures_follow_the_nodes():
     """Two formulations: bent by little and damped alike, beam and modal body open alike.
 
@@ -181,8 +181,8 @@ def test_all_three_open_alike_and_pictures_follow_the_nodes():
 @pytest.mark.parametrize(
     ("key", "value", "sentence"),
     [
-        ("diameter", 20, r"body.boom.beam: its stiffness is that of a bar 24.* 2.5 m"),
-        ("youngs_modulus", 70, r"body.boom.beam: .* 0.00063 Hz"),
+        ("diameter", 20, "body.boom.beam: .* 24.* 2.5 m"),
+        ("youngs_modulus", 70, "body.boom.beam: .* 0.00063 Hz"),
         ("wall", "0.4 mm", None),
     ],
 )
@@ -201,11 +201,9 @@ def test_a_beam_beyond_its_range_is_a_sentence_and_keeps_its_rows(tmp_path):
         {"body.boom.beam.elements": 2, "body.boom.beam.tube.youngs_modulus": "1 MPa"}
     )
     path = tmp_path / "soft.h5"
-    with pytest.raises(
-        fanfold.FanfoldError, match=r"boom at t = .*element 1 of 2 turns by more than 60 deg"
-    ) as caught:
+    with pytest.raises(fanfold.FanfoldError, match=r"boom at t = .*element 1 of 2.* 60 deg") as caught:
         fanfold.simulate(scene, large_deformation="boom", until=3, tolerance=1e-3, estimate=False, save=path)
-    assert "take more elements" in str(caught.value)
+    assert "elements" in str(caught.value)
     assert str(path) in str(caught.value)
     assert len(fanfold.Result.open(path).time) > 10
 
@@ -238,7 +236,7 @@ def sagging(turn, second_order=0):
     return scene
 
 
-@pytest.mark.filterwarnings("ignore:.*bar bent by")
+@pytest.mark.filterwarnings("ignore:.*bar.*W-large-rotation")
 @pytest.mark.parametrize("turn", [0.2, 0.28, 0.33, 0.36, 0.4, 0.42, 0.45])
 def test_a_beam_that_sags_far_starts_at_rest_in_the_plane_of_its_weight(turn):
     """Symmetry, and rest. Regression: the search's long steps ended at roots of their own, for some weights only.
@@ -259,7 +257,7 @@ def test_modes_that_bend_too_far_are_told(turn, second_order, told):
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         fanfold.simulate(sagging(turn, second_order), estimate=False)
-    bent = [re.search(r"bar bent by ([\d.]+) deg between its", str(one.message)) for one in heard]
+    bent = [re.search(r"bar .*?([\d.]+) deg .*W-large-rotation", str(one.message)) for one in heard]
     angles = [float(one[1]) for one in bent if one]
     assert angles == ([pytest.approx(np.degrees(turn), rel=0.1)] if told else [])
 

@@ -50,5 +50,5 @@ def test_masses_too_unlike_to_tell_it_are_told(tmp_path):
     """Found by the benchmark of mutated scenes: it was a LinAlgError."""
     text = TWO_PANELS.replace("inertia = [0.8, 1.6, 2.4]", "inertia = [1e29, 1e29, 1e29]")
     scene = load_text(tmp_path, text)
-    with pytest.raises(SceneError, match="cannot be computed from masses"):
+    with pytest.raises(SceneError, match=r"middle_line.latch.effective_inertia: "):
         effective_inertia(scene, scene.hinge_lines[1])

@@ -69,13 +69,11 @@ def test_damping_rises_over_an_angle(keys, full):
 
 
 @pytest.mark.filterwarnings("ignore:.*W-no-end")  # nothing stops it
-@pytest.mark.filterwarnings("ignore:middle_line has no latch and passed")  # told, too
+@pytest.mark.filterwarnings("ignore:middle_line.*W-no-end")  # told, too
 def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     """It went through its deployed angle without a word."""
     (tmp_path / "wing.toml").write_text(TWO_PANELS, encoding="utf-8")
-    with pytest.warns(
-        fanfold.FanfoldWarning, match="root_line has no latch and passed its deployed angle of 90 deg"
-    ):
+    with pytest.warns(fanfold.FanfoldWarning, match="root_line .*90 deg.*W-no-end"):
         result = fanfold.simulate(
             fanfold.load(tmp_path / "wing.toml", settings={"scene.until": 8.0}), estimate=False
         )
@@ -86,7 +84,7 @@ def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     assert any(row.quantity == "largest angle, no latch" for row in result.headline.numbers())
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_a_line_that_folds_back_is_told_of():
     """A pendulum let go beside its motor swings back to where the work of both is none; nothing said so.
 
@@ -98,7 +96,7 @@ def test_a_line_that_folds_back_is_told_of():
         latch_angle="90 deg", motor={"stowed": "30.00003 N.m", "deployed": "30 N.m"},
         latch={"kind": "spring", "stiffness": 4e3, "damping_ratio": 0.02},
     )  # fmt: skip
-    with pytest.warns(fanfold.FanfoldWarning, match="HL folded back .*W-folded-back"):
+    with pytest.warns(fanfold.FanfoldWarning, match="HL .*W-folded-back"):
         result = fanfold.simulate(scene, estimate=False)
     back = result.headline.folded_back["HL"]
     assert 8 * 9.81 * 0.8 * sin(back.value) == pytest.approx(30.0 * back.value, rel=1e-3)
@@ -127,9 +125,9 @@ def test_a_line_goes_as_far_into_its_stop_as_its_motor_presses():
 @pytest.mark.parametrize(
     ("motor", "stop", "told"),
     [
-        (None, {"stiffness": 2e4}, r"HL has not come to its end stop at 90 deg \(largest angle 80.00 deg\)"),
+        (None, {"stiffness": 2e4}, "HL .* 90 deg.* 80.00 deg"),
         ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 2e4}, ""),
-        ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 0.1}, "HL moved .* deg beyond its end stop"),
+        ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 0.1}, "HL .* deg .*W-stop-pressed"),
     ],
 )
 def test_a_line_that_its_stop_does_not_end_is_told(motor, stop, told):
@@ -161,9 +159,7 @@ def test_a_line_that_nothing_ends_and_that_stays_short_is_told(motor):
         found = fanfold.simulate(scene, estimate=False).headline
     sentences = list(found.open_ends())
     assert len(sentences) == bool(motor)
-    assert all(
-        one.startswith("HL has not come to its deployed angle of 90 deg (largest angle") for one in sentences
-    )
+    assert all(re.match(r"HL .*90 deg.*W-not-opened", one) for one in sentences)
     (stands,) = (number for number in found.numbers() if number.quantity == "final angle, no latch")
     assert (stands.of, stands.value) == ("HL", found.short_of_deployed["HL"].last)
 
@@ -190,9 +186,7 @@ def test_names_of_stops_are_taken():
     )  # fmt: skip
     ports = {"inboard": (base, "root"), "outboard": (panel, "root")}
     scene.connection("hinge_stop", "hold_down", ports=ports)
-    with pytest.raises(
-        fanfold.FanfoldError, match=r"HL.end_stop of hinge: two components are named 'hinge_stop'"
-    ):
+    with pytest.raises(fanfold.FanfoldError, match=r"HL.end_stop .*'hinge_stop'"):
         scene.check()
 
 

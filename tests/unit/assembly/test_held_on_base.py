@@ -95,5 +95,5 @@ def test_a_response_at_low_frequency_is_that_of_the_whole_mass():
 
 
 def test_a_driven_base_refuses_what_it_would_carry(tmp_path):
-    with pytest.raises(RunError, match="sc carries bodies by held hinge lines"):
+    with pytest.raises(RunError, match=r"sc .*fixed"):
         fanfold.export(wing({}, held=True), tmp_path, as_one=True, driven_base=True)

@@ -72,7 +72,7 @@ def test_modes_and_constraints_are_those_of_a_fixed_base():
         ({"motion": {"translation": [{"profile": "leap"}]}}, "profile 'leap' is not a known profile"),
         (
             {**law(STEP), "free": {"mass": 5.0, "inertia": (1.0, 1.0, 1.0)}},
-            "give either free or motion",
+            "free .*motion",
         ),
     ],
 )
@@ -84,7 +84,7 @@ def test_a_motion_that_is_none_is_a_sentence(keys, sentence):
 
 def test_a_motion_needs_a_place():
     """Bad input: a body that a hinge line carries cannot follow a law."""
-    with pytest.raises(SceneError, match=r"body\.top: .*give its place"):
+    with pytest.raises(SceneError, match=r"body\.top: .*place"):
         carried().body("top", rigid=BODY, **law(STEP))
 
 
@@ -123,9 +123,7 @@ def dyad(height, middle="revolute"):
 )
 def test_a_law_that_joints_cannot_follow_is_told(keys, joint):
     """Sentence: which joint opens, by how much and when, and what leads; all rows are kept."""
-    with pytest.warns(
-        fanfold.FanfoldWarning, match=rf"{joint} opened by \d\d.\d mm under .* where top leads"
-    ) as told:
+    with pytest.warns(fanfold.FanfoldWarning, match=rf"{joint} .*\d\d.\d mm .* top .*W-joint-opened") as told:
         result = fanfold.simulate(dyad(**keys), estimate=False)
     assert len([one for one in told if "opened by" in str(one.message)]) == 1
     assert result.time[-1] == pytest.approx(0.2)

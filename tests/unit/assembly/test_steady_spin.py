@@ -50,9 +50,9 @@ def blade(rate):
 def test_spin_that_stiffens_nothing_is_told():
     """Definition: modes of first order know no tension. One of second order, or a slow spin, is no matter."""
     fast, slow = 5.0 * SCALE, 0.1 * SCALE
-    with pytest.warns(fanfold.FanfoldWarning, match=r"body.boom: it spins at up to .* of first order"):
+    with pytest.warns(fanfold.FanfoldWarning, match="body.boom: .*W-spin"):
         fanfold.simulate(spun(fast, 0), until=1e-4, estimate=False)
-    with pytest.warns(fanfold.FanfoldWarning, match=r"body.boom: it spins at up to"):
+    with pytest.warns(fanfold.FanfoldWarning, match="body.boom: .*W-spin"):
         fanfold.modes(spun(fast, 0))
     later = spun(fast, 0)
     law = [{"profile": "step5", "start": 0.5, "duration": 0.5, "change": 100.0 * fast}]
@@ -111,7 +111,7 @@ def test_modes_of_a_spin_have_no_effective_masses():
 
 def test_other_analyses_say_that_they_leave_it_out():
     """Sentence: what is no mode takes the base as at rest."""
-    with pytest.warns(fanfold.FanfoldWarning, match="initial spin of base"):
+    with pytest.warns(fanfold.FanfoldWarning, match="base.*W-modes-omitted"):
         fanfold.frequency_response(rotor(3.0), low=1.0, high=2.0, steps=2)
 
 
@@ -138,7 +138,7 @@ def test_spin_that_a_run_reaches_is_told(turns, second_order, told):
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         fanfold.simulate(scene, estimate=False, tolerance=1e-3)
-    assert any("body.boom: it spins at a mean of" in str(one.message) for one in heard) == told
+    assert any("W-spin" in str(one.message) for one in heard) == told
 
 
 def hung(motion, damping=20.0):
@@ -192,7 +192,7 @@ def test_a_base_that_starts_turned_is_reported_as_in_a_run():
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")
             fanfold.modes(scene)
-        heard.append([one for one in warned if "places of wheel" in str(one.message)])
+        heard.append([one for one in warned if "wheel" in str(one.message)])
     assert [len(one) for one in heard] == [1, 0]
 
 
@@ -201,7 +201,7 @@ def test_what_spins_up_is_at_rest_where_its_law_begins():
     spinning_up = spun(0.0)
     law = [{"profile": "spin_up", "duration": 15.0, "rate": 4.0}]
     scene = spinning_up.with_settings({"base.motion.rotation": law})
-    with pytest.warns(fanfold.FanfoldWarning, match="base spins at 1 s"):
+    with pytest.warns(fanfold.FanfoldWarning, match="base.* 1 s.*W-modes-omitted"):
         found = fanfold.modes(scene)
     assert not found.turns
     assert found.frequencies == pytest.approx(fanfold.modes(spinning_up).frequencies, rel=1e-12)

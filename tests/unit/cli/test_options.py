@@ -38,7 +38,7 @@ def test_a_choice_without_fidelities_offers_none():
     command = click.command()(layered_scene(lambda choice: None))
     result = CliRunner().invoke(command, ("amos3", "--rigid", "all"))
     assert result.exit_code == 2
-    assert "No such option" in result.output
+    assert "'--rigid'" in result.output
 
 
 def test_a_configuration_comes_after_the_scene_and_other_options_by_name():
@@ -80,7 +80,7 @@ def test_options_given_twice_add_up(tmp_path):
 
 
 def test_one_run_of_a_scene_in_phases_is_one_of_them():
-    with pytest.raises(SceneError, match="choose one of its variants phase1, phase2"):
+    with pytest.raises(SceneError, match="phase1, phase2"):
         SceneChoice("arabsat").load().check_one_run()
     assert SceneChoice("arabsat", ("phase1",)).load().check_one_run().header.until == 14.0
 

@@ -271,7 +271,7 @@ def test_hold_adjusts_the_strands_to_their_preload():
 def test_pulleys_too_close_are_refused():
     """Geometry of an open belt: the distance must exceed the difference of radii."""
     component, c = loop(radius_1=2.0)
-    with pytest.raises(ComponentError, match="less than the difference of their radii"):
+    with pytest.raises(ComponentError, match="radii"):
         component.initial(c, motions(component))
 
 

@@ -218,7 +218,7 @@ def test_means_of_squares(first, last):
 
 
 def test_a_plate_of_no_length_is_refused():
-    with pytest.raises(ComponentError, match=r"ends at 0.5 m; it must end beyond its start at 0.5 m"):
+    with pytest.raises(ComponentError, match=r"0.5 m.*0.5 m"):
         drag(start=0.5, end=0.5)
 
 

@@ -345,7 +345,7 @@ def test_end_point_torque():
 
 def test_what_is_refused():
     """A profile that does not exist, an axis without length, a motion without duration: a sentence each."""
-    with pytest.raises(ComponentError, match="it must be step, step5 or commanded"):
+    with pytest.raises(ComponentError, match=r"step, step5.*commanded"):
         Drive(profile="step3")
     with pytest.raises(ComponentError, match="drive's axis"):
         Drive(axis=(0, 0, 0))

@@ -141,9 +141,7 @@ def test_ports_follow_the_laws():
 
 def test_what_is_refused():
     """Bad input: axes without a length and laws that are none, a sentence each."""
-    with pytest.raises(
-        ComponentError, match="rotation_axis has no length; give the direction of the base's turn"
-    ):
+    with pytest.raises(ComponentError, match="rotation_axis"):
         MovingBase([], rotation_axis=(0, 0, 0))
-    with pytest.raises(ComponentError, match="give a list of terms"):
+    with pytest.raises(ComponentError, match="list"):
         MovingBase([], translation=3)

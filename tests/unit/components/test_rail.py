@@ -261,5 +261,5 @@ def test_an_impulse_leaves_no_memory():
 
 
 def test_a_normal_without_length_is_refused():
-    with pytest.raises(ComponentError, match="normal has no length"):
+    with pytest.raises(ComponentError, match=r"normal .*length"):
         Rail((0, 0, 0))

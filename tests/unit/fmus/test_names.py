@@ -50,7 +50,7 @@ def test_names_of_the_standard(name):
 )
 def test_what_is_no_name_is_told(name):
     (problem,) = name_problems([name])
-    assert problem.startswith(f"{name!r} is no name")
+    assert repr(name) in problem
 
 
 def test_random_names_are_judged_as_by_fmpy():

@@ -62,7 +62,7 @@ def test_the_library_runs_with_a_c_library_of_2019():
 
 def test_a_missing_compiler_is_a_sentence(monkeypatch, tmp_path):
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(CompileError, match="there is no C compiler"):
+    with pytest.raises(CompileError, match="C compiler"):
         compile_library(tmp_path / "fanfold.so")
 
 
@@ -87,8 +87,8 @@ def test_without_the_library_pythonfmus_are_built(monkeypatch, tmp_path):
     component = REGISTRY["eddy_current_damper"].example()
     assert not native_backend(component)
     description = read_model_description(str(build_fmu(component, "damper", tmp_path)))
-    assert description.generationTool == "Fanfold with PythonFMU"
-    with pytest.raises(ComponentError, match="no native library here"):
+    assert description.generationTool.endswith("PythonFMU")
+    with pytest.raises(ComponentError, match="native library"):
         build_fmu(component, "damper", tmp_path, backend="native")
 
 
@@ -96,7 +96,7 @@ def test_without_the_library_the_command_line_says_so(monkeypatch, tmp_path):
     without_library(monkeypatch)
     run = CliRunner().invoke(cli.main, ["export", "amos3", "--rigid", "all", "-o", str(tmp_path)])
     assert run.exit_code == 0
-    assert "PythonFMUs are used" in run.output
+    assert "PythonFMUs" in run.output
     refused = CliRunner().invoke(cli.main, ["run", "amos3", "--backend", "native"])
     assert refused.exit_code == 2
-    assert "no native library was built" in refused.output
+    assert "native library" in refused.output

@@ -74,7 +74,7 @@ def test_both_processors_of_macos_share_a_file_of_fmi_2(made_up, tmp_path):
 
 def test_what_is_no_platform_or_has_no_compiler(monkeypatch, tmp_path):
     """Bad input: sentences."""
-    with pytest.raises(fanfold.FanfoldError, match="there is no platform 'amiga'; there are linux64, "):
+    with pytest.raises(fanfold.FanfoldError, match=r"'amiga'.*linux64, "):
         fanfold.export("workbench", tmp_path, rigid="all", platforms="amiga")
 
     def absent(name):
@@ -84,7 +84,7 @@ def test_what_is_no_platform_or_has_no_compiler(monkeypatch, tmp_path):
     platforms.cross_compiled.cache_clear()
     with pytest.raises(fanfold.FanfoldError, match=r"needs Zig: pip install '\.\[platforms\]'"):
         fanfold.export("workbench", tmp_path, rigid="all", platforms="win64")
-    with pytest.raises(ComponentError, match="for this platform"):
+    with pytest.raises(ComponentError, match="platform"):
         build_fmu(REGISTRY["hinge"](), "one", tmp_path, backend="python", platforms=["win64"])
     assert list(tmp_path.iterdir()) == []
 

@@ -47,10 +47,10 @@ def test_fidelities_settings_and_values_differ(result):
 def test_different_scenes_are_told(result):
     a, b = told(result), told(result, scene="other")
     assert scene_note(a, told(result, flexible=["yoke"])) == ""
-    assert "A is a run of the scene 'wing', B of 'other'" in scene_note(a, b)
+    assert all(name in scene_note(a, b) for name in ("'wing'", "'other'"))
     fewer = replace(a, hinge_lines=a.hinge_lines[:2])
-    assert "different hinge lines, hl1, hl2, hl3 and hl1, hl2" in scene_note(a, fewer)
-    with pytest.warns(fanfold.FanfoldWarning, match="ratios compare different structures"):
+    assert all(names in scene_note(a, fewer) for names in ("hl1, hl2, hl3", "hl1, hl2"))
+    with pytest.warns(fanfold.FanfoldWarning, match="W-different-scenes"):
         fanfold.compare(a, b)
 
 
@@ -64,7 +64,7 @@ def test_the_command_warns(tmp_path):
         paths.append(str(fanfold.Result.of(one).save(tmp_path / f"{scene}.h5").path))
     run = CliRunner().invoke(main, ["compare", *paths, "--output", str(tmp_path / "out")])
     assert run.exit_code == 0
-    assert "fanfold: warning: A is a run of the scene 'wing', B of 'other'" in run.stderr
+    assert "W-different-scenes" in run.stderr
 
 
 def test_legends_say_what_differs_and_empty_panels_are_left_out(result):

@@ -58,7 +58,7 @@ def test_what_fades_in_both_runs_is_not_lost_by_steps():
     assert _lost(30.0) == {}
 
 
-@pytest.mark.filterwarnings("ignore:line has not latched")  # it is on its way
+@pytest.mark.filterwarnings("ignore:line.*W-not-opened")  # it is on its way
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.05])
 def test_joints_without_damping_are_told(damping_ratio):
     """Regression: random wing 3006, whose steps let go of what its motor had stirred, told 0.59 N along z for 0.86.

@@ -63,8 +63,8 @@ def test_few_samples_have_all_sums_of_second_order():
 @pytest.mark.parametrize(
     ("body", "name", "told"),
     [
-        ("wing", "wing.npz", "there is no body 'wing'; bodies are yoke, panel1, panel2"),
-        ("panel1", "panel1.mat", "a body is written to a file that ends with .npz, .op4, .asm"),
+        ("wing", "wing.npz", "'wing'"),
+        ("panel1", "panel1.mat", ".npz, .op4, .asm"),
     ],
 )
 def test_what_cannot_be_written_is_told(tmp_path, body, name, told):
@@ -75,7 +75,7 @@ def test_what_cannot_be_written_is_told(tmp_path, body, name, told):
 
 def test_a_rigid_body_is_told(tmp_path):
     scene = Path(__file__).parents[2] / "scenes" / "light_root_latch.toml"
-    with pytest.raises(SceneError, match="is rigid, so it has no finite elements"):
+    with pytest.raises(SceneError, match="rigid"):
         fanfold.export_body(scene, fanfold.load(scene).bodies[0], tmp_path / "body.npz")
 
 

@@ -73,7 +73,7 @@ def test_a_run_of_other_settings_is_refused(path, name):
 def test_a_run_of_another_scene_is_refused(path):
     """Rule: the key that differs is named; --set and variants are part of the scene."""
     sentence = refused(path, fanfold.load(TWO_PANELS, settings={"body.inner.rigid.mass": "9 kg"}))
-    assert "body.inner.rigid.mass 8 kg instead of 9 kg" in sentence
+    assert all(part in sentence for part in ("body.inner.rigid.mass", "8 kg", "9 kg"))
 
 
 def test_a_run_of_the_same_settings_replaces(path):

@@ -118,7 +118,7 @@ def numbers(result):
 
 
 @needs_native
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_native_and_python_agree():
     """Independent implementations of the record, of attitude and of loads, over 20 steps that iterate to 1e-9."""
     native, python = (

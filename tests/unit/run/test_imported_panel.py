@@ -77,5 +77,5 @@ def test_a_panel_deploys_the_same_by_every_path(tmp_path, data, own, program):
 
 
 def test_a_body_without_rows_of_stress_is_told(own):
-    with pytest.raises(fanfold.FanfoldError, match="panel: no rows of stresses or forces came with it"):
+    with pytest.raises(fanfold.FanfoldError, match=r"panel: .*stresses"):
         fanfold.body_outputs(own, "panel")

@@ -193,10 +193,7 @@ def test_a_preload_that_nothing_resists_is_told():
     )  # fmt: skip
     ports = {"inboard": {"body": "sat", "point": "bolt"}, "outboard": {"body": "panel", "point": "bolt"}}
     scene.connection("bolt", "hold_down", ports=ports, parameters={"preload": "300 N"})
-    with pytest.warns(
-        fanfold.FanfoldWarning,
-        match=r"bolt starts .* with 2(\.\d+)? N instead of its preload of 300 N",
-    ):
+    with pytest.warns(fanfold.FanfoldWarning, match=r"bolt .* 2(\.\d+)? N .*300 N.*W-preload"):
         fanfold.simulate(scene, estimate=False)
 
 
@@ -282,7 +279,7 @@ def test_what_is_held_in_the_search_alone_bears_nothing_in_the_run():
         ports={"inboard": {"body": "ground", "point": "o"}, "outboard": {"body": "arm", "point": "p"}},
     )  # fmt: skip
     run = fanfold.simulate(scene, estimate=False)
-    assert any("no static equilibrium while pin can turn" in one for one in run.warnings)
+    assert any("pin" in one and "W-preload" in one for one in run.warnings)
     assert run.headline.interface_torque_peaks[1] < 1e-6 * 9.81
     # the springs of its joint have not moved yet, which the search leaves under its weight
     assert run["ground", "interface_force"][0, 2] == pytest.approx(-2.0 * 9.81, rel=1e-4)
@@ -304,7 +301,7 @@ def test_loads_that_turn_a_free_spacecraft_are_told_of_as_such():
         "push", "load", structure={"torque": [{"profile": "constant", "value": 2.0}], "direction": [0, 0, 1]},
         ports={"body": {"body": "flap", "point": "p"}},
     )  # fmt: skip
-    with pytest.raises(fanfold.FanfoldError, match="loads turn all that is free as one about") as told:
+    with pytest.raises(fanfold.FanfoldError, match="as one") as told:
         fanfold.simulate(scene, estimate=False)
     inertia = 20.1 + 100.0 / 101.0
-    assert f"by {2.0 / inertia:.2g} rad/s2; start without preload" in str(told.value)
+    assert f"{2.0 / inertia:.2g} rad/s2" in str(told.value)

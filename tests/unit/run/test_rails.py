@@ -28,9 +28,7 @@ def incline(friction, breakaway=1e-4, **header):
 
 def test_a_trolley_that_creeps_is_told():
     """Closed form: r (3 - r^2) / 2 of full friction is the pull, at r of the speed of full friction."""
-    with pytest.warns(
-        fanfold.FanfoldWarning, match=r"rail: its trolley creeps at 12.5 mm/s at the end"
-    ) as told:
+    with pytest.warns(fanfold.FanfoldWarning, match="rail: .*12.5 mm/s .*W-creep") as told:
         found = fanfold.simulate(incline(12.0, 0.0, until="2 s"), estimate=False)
     r = found["rail", "sliding_speed"][-1] / TRANSITION
     assert 0.5 * r * (3.0 - r * r) == pytest.approx(PULL / 12.0, rel=1e-4)
@@ -47,7 +45,5 @@ def test_a_trolley_that_slides_or_sticks_gives_no_warning(friction, breakaway, r
 
 def test_a_start_that_slid_is_told():
     """Regression: with preload the search let it slide by 190 mm, and nothing was told."""
-    with pytest.warns(
-        fanfold.FanfoldWarning, match=r"block starts 1\d\d mm along rail from where it is placed"
-    ):
+    with pytest.warns(fanfold.FanfoldWarning, match=r"block .*1\d\d mm .*W-preload"):
         fanfold.simulate(incline(6.0, until="0.1 s", preload=True), estimate=False)

@@ -129,11 +129,11 @@ def test_a_pattern_that_matches_nothing_loses_nothing(whole):
     kept = Recording(None, ["hl1_*", "hl9_*"]).applied(whole, told.append)
     assert kept.components == whole.components
     assert len(told) == 1
-    assert "no signal matches hl9_*, so all are kept" in told[0]
+    assert "hl9_*" in told[0]
     assert "hl1_hinge" in told[0]
 
 
 @pytest.mark.parametrize("spacing", [0.0, -1.0])
 def test_spacings_that_cannot_be_are_refused(spacing):
-    with pytest.raises(fanfold.FanfoldError, match="the time between recorded rows is"):
+    with pytest.raises(fanfold.FanfoldError, match="recorded rows"):
         fanfold.simulate("workbench", record=spacing)

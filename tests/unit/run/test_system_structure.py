@@ -123,7 +123,7 @@ def without(path, name, target, **others):
     return target
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_it_runs_as_the_scene_that_it_was_exported_from(written):
     """Identity: numbers of the scene with its settings, at the fidelity of the export."""
     options = {"until": 0.2, "estimate": False}

@@ -96,13 +96,13 @@ def test_a_changed_file_is_loaded_again(tmp_path):
         ("a.py", "x = (", "a.py:1: SyntaxError"),
         ("a.py", "\n\nimport nowhere_at_all", "a.py:3: ModuleNotFoundError"),
         ("a.py", "raise SystemExit(3)", "a.py:1: SystemExit: 3"),
-        ("a.py", SMALL.replace('"small"', '"hinge"'), "two components of kind 'hinge'"),
-        ("a.txt", "", "a plugin is a file of components (.py) or of bodies (.toml)"),
-        ("a.toml", "x = [", "this is no table of bodies"),
+        ("a.py", SMALL.replace('"small"', '"hinge"'), "kind 'hinge'"),
+        ("a.txt", "", ".toml"),
+        ("a.toml", "x = [", "a.toml: "),
         (
             "a.toml",
             BODY.format(name="workbench_panel", length=1.0),
-            "workbench_panel: there is such a body already",
+            "workbench_panel: ",
         ),
     ],
 )
@@ -146,8 +146,8 @@ class Brake(AxialConnection):
 @pytest.mark.parametrize(
     ("start", "said"),
     [
-        ("1.0", "Brake declares no observations"),
-        ("'x'", "a parameter (Braking) starts at 'x'; it must be a number"),
+        ("1.0", "observations"),
+        ("'x'", "'x'"),
     ],
 )
 def test_components_that_lack_something_are_sentences(tmp_path, start, said):
@@ -191,20 +191,20 @@ RECORD = """
             "furlong",
             "0.0",
             RECORD.format(by="1.0"),
-            "brake.py: braking: unit 'furlong': 'furlong' is not one of",
+            "unit 'furlong'",
         ),
-        ("N.m.s/rad", "0.0", "", "brake.py: NotImplementedError: Brake has no function 'record'"),
+        ("N.m.s/rad", "0.0", "", "'record'"),
         (
             "N.m.s/rad",
             "0.0",
             RECORD.format(by="0.0"),
-            ": ZeroDivisionError: float division by zero",
+            "ZeroDivisionError",
         ),
         (
             "N.m.s/rad",
             "0.0",
             RECORD.format(by="float('nan')"),
-            "angle is nan after a step of 0.001 s at rest",
+            "0.001 s",
         ),
         ("N.m.s/rad", "(0.0, 0.0)", RECORD.format(by="1.0"), "States has "),
     ],
@@ -223,7 +223,7 @@ def test_what_only_a_step_shows_is_told_before_a_run(tmp_path, unit, heat, recor
 
 
 def test_a_missing_file_is_told(tmp_path):
-    with pytest.raises(PluginError, match="the plugin cannot be read"):
+    with pytest.raises(PluginError, match=r"none.py: "):
         load_plugin(tmp_path / "none.py")
 
 
@@ -253,7 +253,7 @@ def test_a_figure_that_fails_is_left_out_with_its_line(tmp_path, monkeypatch):
     )
     fanfold.load_plugin(tmp_path / "views.py")
     result = fanfold.Result.open(synthetic_result.write(tmp_path / "a.h5"))
-    with pytest.warns(fanfold.FanfoldWarning, match=r"the figure 'mine' of .*views\.py:6: ZeroDivisionError"):
+    with pytest.warns(fanfold.FanfoldWarning, match=r"'mine' .*views\.py:6.*ZeroDivisionError"):
         drawn = [drawing.name for drawing in plots.draw_all(result)]
     assert drawn
     assert "mine" not in drawn
@@ -278,7 +278,8 @@ def test_installed_plugins_are_loaded_and_told_of_where_they_fail(monkeypatch):
     finally:
         loading._installed.cache_clear()
     assert loaded == ["fanfold.plugins"]
-    assert told == ["the installed plugin mine (my_parts): ZeroDivisionError: division by zero"]
+    (sentence,) = told
+    assert "mine (my_parts): ZeroDivisionError" in sentence
 
 
 def test_commands_take_plugins(tmp_path, monkeypatch):
@@ -308,5 +309,5 @@ def test_a_component_from_outside_is_exported_as_a_python_fmu(tmp_path):
 
     path = build_fmu(REGISTRY["tape_spring"](wrench_mode="endpoint"), "tape", tmp_path)
     assert check_fmu(path) == []
-    with pytest.raises(fanfold.FanfoldError, match="tape_spring has no native kernel"):
+    with pytest.raises(fanfold.FanfoldError, match=r"tape_spring .*kernel"):
         build_fmu(REGISTRY["tape_spring"](), "tape", tmp_path, backend="native")

@@ -36,7 +36,7 @@ def test_quantities_are_converted_to_si(value, unit, expected):
 @pytest.mark.parametrize("unit", UNITS)
 def test_every_unit_accepts_itself_and_refuses_others(unit):
     assert to_si(f"3 {unit}", unit) == 3.0
-    with pytest.raises(ValueError, match="give a number, a space and the unit"):
+    with pytest.raises(ValueError, match="'3 furlong'"):
         to_si("3 furlong", unit)
 
 
@@ -58,7 +58,7 @@ def test_units_are_those_of_the_components():
 @pytest.mark.parametrize("value", [180, 5, 90.0, -7.5])
 def test_an_angle_that_reads_like_degrees_needs_its_unit(value):
     """A plain 180 was taken for 180 rad; 0 is the same in every unit."""
-    with pytest.raises(ValueError, match=f"an angle needs its unit: '{value} deg' or '{value} rad'"):
+    with pytest.raises(ValueError, match=f"'{value} deg' or '{value} rad'"):
         written(value, "rad")
     assert to_si(value, "rad") == value
 
@@ -72,7 +72,7 @@ def test_other_plain_angles_are_radians(value):
 @pytest.mark.parametrize("value", ["1e31 m", -1e200, 1e308])
 def test_sizes_beyond_all_bounds_are_refused(value):
     """Found by the benchmark of mutated scenes: products of such lengths and masses overflowed."""
-    with pytest.raises(ValueError, match=r"it must be at most 1e\+30 m, so check the unit"):
+    with pytest.raises(ValueError, match=r" 1e\+30 m"):
         to_si(value, "m")
 
 
@@ -81,7 +81,7 @@ def test_rows_of_a_tensor():
     tensor = TypeAdapter(Inertia)
     rows = [["5 kg.m2", 0.1, 0.2], [0.1, 6.0, 0.3], [0.2, 0.3, 7.0]]
     assert tensor.validate_python(rows) == tensor.validate_python([5.0, 6.0, 7.0, 0.1, 0.2, 0.3])
-    with pytest.raises(ValidationError, match="a tensor is symmetric"):
+    with pytest.raises(ValidationError, match="symmetric"):
         tensor.validate_python([[5.0, 0.1, 0.2], [-0.1, 6.0, 0.3], [0.2, 0.3, 7.0]])
-    with pytest.raises(ValidationError, match="three rows of three"):
+    with pytest.raises(ValidationError, match="three rows"):
         tensor.validate_python([[5.0, 0.1], [0.1, 6.0], [0.2, 0.3]])

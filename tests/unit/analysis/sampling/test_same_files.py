@@ -46,9 +46,7 @@ def test_a_study_does_not_go_on_with_another_model(tmp_path):
     whole = fanfold.study(scene_of(path), vary, **asked)
     Journal.begin(study, whole.asked).__exit__()
     write_npz(path, replace(data, mass=2.0 * data.mass))
-    with pytest.raises(
-        StudyError, match=r"p\.npz is not as when this study began, so its samples would mix two"
-    ):
+    with pytest.raises(StudyError, match=r"p\.npz .*study"):
         fanfold.resume_study(study)
     write_npz(path, data)
     fanfold.resume_study(study)

@@ -126,7 +126,7 @@ def test_the_sample_that_ends_processes_is_known():
     found = {sample.index: sample for sample in workers.carried_out(shared, jobs, 2, workers.local)}
     assert sorted(found) == [0, 1, 2]
     assert (found[0].message, found[2].message) == ("", "")
-    assert "the process that ran it died, twice" in found[1].message
+    assert "died" in found[1].message
 
 
 def test_a_cluster_gives_the_same_samples(here):
@@ -143,11 +143,11 @@ def test_an_interrupted_study_goes_on(here, tmp_path):
     path = tmp_path / "study.h5"
     with Journal.begin(path, here.asked) as journal:
         journal.append(run_sample(task(), 3, settings_of(here, 3)))
-        with pytest.raises(StudyError, match="another study is writing here"):
+        with pytest.raises(StudyError, match=r"study\.h5\.journal: .*writing"):
             fanfold.resume_study(path)
     with journal_file(path).open("a") as file:
         file.write('{"index": 0, "mess')
-    with pytest.raises(StudyError, match="an interrupted study stands here; go on with it by `fanfold study"):
+    with pytest.raises(StudyError, match=r"study\.h5\.journal: .*`fanfold study"):
         fanfold.study(WING, VARY, save=path, **ASKED)
     found = fanfold.resume_study(path)
     same(found, here)
@@ -181,7 +181,7 @@ def test_a_damaged_line_of_a_journal_is_drawn_again(here, tmp_path):
             assert len(samples) >= 1
             assert 0 in [sample.index for sample in more]
     journal_file(path).write_bytes(b"{" + text)
-    with pytest.raises(StudyError, match="delete it and begin again"):
+    with pytest.raises(StudyError, match=r"study\.h5\.journal: .*damaged"):
         Journal.resume(path)
 
 
@@ -197,7 +197,7 @@ def test_a_cluster_without_its_scheduler_is_a_sentence(tmp_path, monkeypatch):
 
     monkeypatch.setattr(carry_out, "dask", lambda address: lambda count: nullcontext(Gone()))
     path = tmp_path / "study.h5"
-    with pytest.raises(StudyError, match="no longer answers") as refused:
+    with pytest.raises(StudyError, match="tcp://host:1: ") as refused:
         fanfold.study(WING, VARY, cluster="tcp://host:1", save=path, **ASKED)
     assert f"fanfold study {path}" in str(refused.value)
     assert journal_file(path).exists()
@@ -251,7 +251,7 @@ def test_shares_of_variance_and_what_lets_lines_latch_are_told(tmp_path):
     file = tmp_path / "s.h5"
     told = studied(file, "sobol-indices", "--runs", "2")
     assert told.exit_code == 0
-    assert "share of variance by parameter" in " ".join(told.output.split())
+    assert "variance" in " ".join(told.output.split())
     again = CliRunner().invoke(main, ["study", str(file), "--json"], catch_exceptions=False)
     moved = json.loads(again.stdout)["influence"]["interface_force_peak.z"]
     assert moved["variance_shares"].keys() == moved["changes"].keys() == set(VARY)
@@ -274,9 +274,7 @@ def test_worst_cases_are_told_with_their_samples(tmp_path):
 
 def test_what_every_run_is_given_is_not_varied():
     """Message. Regression: the option won in all samples, and the table listed what was drawn."""
-    with pytest.raises(
-        StudyError, match=r"scene.until is varied, and until = 0.3 is given for every run; leave one"
-    ):
+    with pytest.raises(StudyError, match=r"scene.until .*until = 0.3"):
         fanfold.study(WING, {"scene.until": "uniform(1, 2)"}, **ASKED)
 
 
@@ -295,10 +293,10 @@ def test_what_cannot_begin_is_refused_before_the_first_run(tmp_path, monkeypatch
     monkeypatch.setattr(workers, "ANSWER", 0.5)
     (tmp_path / "notes.h5").write_text("notes")
     for vary, options, said in (
-        ({"friction.coeficient": "uniform(0, 1)"}, {}, "did you mean coefficient"),
-        ({"friction.coefficient": "uniform(0, 1)"}, {"save": tmp_path / "notes.h5"}, "cannot be read"),
-        ({"friction.coefficient": "uniform(0, 1)"}, {"workers": 0}, "0 workers do no work"),
-        ({"friction.coefficient": "uniform(0, 1)"}, {"cluster": "tcp://127.0.0.1:9"}, "no Dask scheduler answers"),
+        ({"friction.coeficient": "uniform(0, 1)"}, {}, "coefficient"),
+        ({"friction.coefficient": "uniform(0, 1)"}, {"save": tmp_path / "notes.h5"}, "notes.h5"),
+        ({"friction.coefficient": "uniform(0, 1)"}, {"workers": 0}, "0 workers"),
+        ({"friction.coefficient": "uniform(0, 1)"}, {"cluster": "tcp://127.0.0.1:9"}, "Dask"),
     ):  # fmt: skip
         with pytest.raises(fanfold.FanfoldError) as refused:
             fanfold.study(WING, vary, **options)
@@ -342,9 +340,7 @@ def test_influence_is_that_of_closed_forms(here):
     assert single.influence("latch_time.sum").changes == {"a": (-0.5, 0.5), "b": (-1.5, 1.5)}
     assert influence(single, "same") is None
     assert influence(single, "interface_force_peak.y") is None  # round-off beside its like
-    with pytest.raises(
-        StudyError, match=r"latch_time\.some is not a known headline number; did you mean latch_time"
-    ):
+    with pytest.raises(StudyError, match=r"latch_time\.some .*latch_time"):
         single.influence("latch_time.some")
     shares = synthetic(here, "sobol-indices", numbers, runs=1024)
     # errors of a quasi-random sum of this size, Saltelli et al. 2010, figure 2
@@ -401,20 +397,17 @@ def test_command(tmp_path, monkeypatch):
     finer = [*arguments, "--seed", "1"]
     refused = CliRunner().invoke(main, finer)
     assert refused.exit_code == 1
-    assert (
-        "two_panels.rigid.study.h5: this file was made with other settings, seed 0 instead of 1"
-        in refused.stderr
-    )
+    assert all(words in refused.stderr for words in ("two_panels.rigid.study.h5: ", "seed 0 instead of 1"))
     assert fanfold.Study.open(told["output"]).plan.seed == 0
     assert CliRunner().invoke(main, [*finer, "--replace"]).exit_code == 0
     assert fanfold.Study.open(told["output"]).plan.seed == 1
     assert CliRunner().invoke(main, finer).exit_code == 0
     shown = CliRunner().invoke(main, ["study", str(WING), "--vary", "friction.coefficient=uniform(1)"])
     assert shown.exit_code == 1
-    assert "it is written uniform(LOW, HIGH)" in shown.stderr
+    assert "uniform(LOW, HIGH)" in shown.stderr
     again = CliRunner().invoke(main, ["study", told["output"]])
     assert again.exit_code == 0, again.stderr
-    assert "most sensitive to" in again.stdout
+    assert "sensitive" in again.stdout
 
 
 def test_command_says_how_often_the_wing_opens(here, tmp_path, capsys):

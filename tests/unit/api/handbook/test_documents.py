@@ -125,7 +125,7 @@ def test_a_missing_extra_is_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(build, "_NEEDS", ("no_such_library",))
     result = CliRunner().invoke(main, ["docs", "--no-browser", "--out", str(tmp_path / "pages")])
     assert result.exit_code == 1
-    assert "no_such_library is not installed" in result.output
+    assert "no_such_library" in result.output
     assert ".[docs]" in result.output
     assert not (tmp_path / "pages").exists()
 

@@ -48,10 +48,10 @@ def test_sections_turn_as_little_as_the_axis():
 
 @pytest.mark.parametrize("points", [((0.0, 0.0, 0.0),), ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))])
 def test_an_axis_needs_two_places(points):
-    with pytest.raises(ComponentError, match="two points or more"):
+    with pytest.raises(ComponentError, match="two points"):
         Curve(points)
 
 
 def test_section_z_across_the_axis():
-    with pytest.raises(ComponentError, match="give one across it"):
+    with pytest.raises(ComponentError, match="across"):
         section_orientations(Arc(1.0).at(np.array([0.0, 1.0]))[1], (1.0, 0.0, 0.0))

@@ -93,5 +93,5 @@ def test_a_fixed_base_bears_the_weight_of_what_it_carries():
 
 
 def test_a_base_keeps_a_mass_of_its_own():
-    with pytest.raises(ComponentError, match=r"the base carries 9 kg of its 9 kg"):
+    with pytest.raises(ComponentError, match=r"9 kg .*9 kg"):
         Carried(9.0, YOKE.center_of_mass, YOKE.inertia).shares(both())

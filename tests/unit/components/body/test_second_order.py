@@ -166,7 +166,5 @@ def test_end_moments_bend_a_beam_less_the_more_it_is_pulled(ratio):
 def test_a_body_without_the_inertia_of_second_order_is_refused():
     """Sentence: levels of coupling that drop invariant 9 would stiffen it under end loads only."""
     found = beam(4).body.structure
-    with pytest.raises(
-        ComponentError, match="inertia_coupling is 'partial'; a body with second-order modes needs"
-    ):
+    with pytest.raises(ComponentError, match=r"inertia_coupling .*'partial'"):
         Body(found["modal"], found["ports"], "partial")

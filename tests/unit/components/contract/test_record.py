@@ -66,7 +66,7 @@ def test_a_field_of_another_size_is_refused():
 
 def test_what_a_function_forgot_to_return_is_told():
     """Bad plugin. Regression: "TypeError: 'NoneType' object is not iterable"."""
-    with pytest.raises(ComponentError, match="None is no State; a function that makes one must return it"):
+    with pytest.raises(ComponentError, match=r"None .*State"):
         Record(State).write(None)
 
 
@@ -77,7 +77,7 @@ def test_a_role_keeps_its_name():
         hold: Annotated[float, HOLD]
         push: Annotated[float, IMPULSE]
 
-    with pytest.raises(TypeError, match="push is declared as impulse"):
+    with pytest.raises(TypeError, match=r"push .*impulse"):
         Record(Commands)
 
 

@@ -148,7 +148,7 @@ def test_no_second_order_modes_is_the_linear_body_in_every_bit():
 
 def test_wrong_numbers_are_sentences():
     """More modes than there are, and tables that fit no number of modes."""
-    with pytest.raises(ComponentError, match="11 second-order modes asked for; the body has 10 modes"):
+    with pytest.raises(ComponentError, match=r"11 .*10 modes"):
         craig_bampton(slanted_beam(6), ["root", "tip"], 4, second_order_modes=11)
     arrays = craig_bampton(slanted_beam(6), ["root", "tip"], 4).to_arrays()
     with pytest.raises(ComponentError, match="second_order_points has 7 numbers"):

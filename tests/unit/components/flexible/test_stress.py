@@ -328,13 +328,13 @@ def test_face_sheets_have_the_stiffness_of_the_plates():
 def test_unsuitable_input_is_told(panel, reduced):
     frequency, modes = reduced[10]
     for skin, distance in ((0.0, 0.02), (1e-3, -1.0), (np.nan, 0.02)):
-        with pytest.raises(ComponentError, match="must be positive"):
+        with pytest.raises(ComponentError, match="positive"):
             FaceSheets.sandwich(skin, distance)
     with pytest.raises(ComponentError, match="nodes are 0 to"):
         stress_recovery(panel, SHEETS, modes, [len(panel.plate.positions)])
-    with pytest.raises(ComponentError, match="no node is left"):
+    with pytest.raises(ComponentError, match="no node"):
         stress_recovery(panel, SHEETS, modes, [])
-    with pytest.raises(ComponentError, match=f"the body has {frequency.size} modes"):
+    with pytest.raises(ComponentError, match=f"{frequency.size} modes"):
         stress_recovery(panel, SHEETS, modes).stress(np.zeros(3))
     tube = BeamSection(1e6, 10.0, 10.0, 5.0, 0.3)
     beam = beam_frame({"a": (0, 0, 0), "b": (1, 0, 0)}, [Member("a", "b", tube, 2)], points=("a", "b"))

@@ -135,7 +135,7 @@ def test_all_modes_that_bend_a_plate_stretch_it():
     body = replace(body, panel=replace(body.panel, element_size=0.25, plate=plate))
     data = body.flexible(0)
     assert data.second_order_modes == 3 * 8 - 3
-    with pytest.raises(ComponentError, match="modes bend the plate, more than 80; give second_order_modes"):
+    with pytest.raises(ComponentError, match=r"80.*second_order_modes"):
         body.flexible(80)
     kept = data.keep_modes([0, 2, 30])
     assert np.array_equal(kept.tension_forms[:, 0, 1], data.tension_forms[:, 0, 2])
@@ -152,5 +152,5 @@ def test_a_geometry_is_linear_or_von_karmans():
     table["panel"]["geometry"] = "von_karman"
     assert read_body(table).panel.plate.geometry == "von_karman"
     table["panel"]["geometry"] = "karman"
-    with pytest.raises(TableError, match="geometry: is 'karman'; it must be one of linear, von_karman"):
+    with pytest.raises(TableError, match=r"geometry: .*'karman'.*von_karman"):
         read_body(table)

@@ -60,9 +60,9 @@ def test_damping_acts_on_motion_relative_to_the_inboard_port():
 @pytest.mark.parametrize(
     ("structure", "words"),
     [
-        ({"latch": "magnet"}, "must be none, spring, table or kinematic"),
-        ({"wrench_mode": "middle"}, "must be mean or endpoint"),
-        ({"axis": (0.0, 0.0, 0.0)}, "axis has no length"),
+        ({"latch": "magnet"}, "none, spring.*kinematic"),
+        ({"wrench_mode": "middle"}, "mean.*endpoint"),
+        ({"axis": (0.0, 0.0, 0.0)}, "axis"),
     ],
 )
 def test_impossible_hinges_are_refused(structure, words):

@@ -42,15 +42,13 @@ def test_it_is_told_where_the_line_has_folded(tmp_path, backend):
     """Closed form: an arm along its line falls like a pendulum from the horizontal, to 180 deg on the other side."""
     scene, path = tmp_path / "soft.toml", tmp_path / "soft.h5"
     scene.write_text(SOFT, encoding="utf-8")
-    with pytest.raises(
-        fanfold.FanfoldError, match=r"pin at t = .*bent by 17\d deg across its line"
-    ) as caught:
+    with pytest.raises(fanfold.FanfoldError, match=r"pin at t = .*17\d deg") as caught:
         fanfold.simulate(scene, save=path, backend=backend, tolerance=1e-3, estimate=False)
     assert "cross_stiffness" in str(caught.value)
     assert len(fanfold.Result.open(path).time) > 10
 
 
-@pytest.mark.filterwarnings("ignore:the hinges of line bent")  # which it is free to
+@pytest.mark.filterwarnings("ignore:.*W-bent")  # which it is free to
 def test_a_joint_without_springs_across_may_fold(tmp_path):
     """Definition: nothing that a spherical joint does hangs on its angle; energy as for any pendulum."""
     text = SOFT.replace('outboard = "root" }]', 'outboard = "root", kind = "spherical" }]')

@@ -242,5 +242,5 @@ def test_an_end_point_hinge_has_no_slopes():
 
 
 def test_an_order_between_is_refused():
-    with pytest.raises(ComponentError, match="order = 3; it must be 2 or 4"):
+    with pytest.raises(ComponentError, match=r"order = 3.*2 or 4"):
         hinge("mean", order=3.0)

@@ -64,7 +64,7 @@ def test_matrix_market_cut_off_within_an_exponent_or_with_a_wrong_size_is_a_sent
     files["mass"].write_text(
         f"%%MatrixMarket matrix coordinate real symmetric\n{sizes} 9\n1 1 1.0\n2 2 3.1763735522{end}"
     )
-    with pytest.raises(ComponentError, match=r"k\.mtx: cannot be read as Matrix Market"):
+    with pytest.raises(ComponentError, match=r"k\.mtx: .*Matrix Market"):
         imported(files).model()
 
 
@@ -195,24 +195,24 @@ def _itself(folder):
 
 
 BROKEN = {
-    r"job\.mas \(mass\) is missing; put it next to job\.sti": _no_mass,
-    r"job\.sti: has 72 rows, and 73 degrees of freedom are listed": _too_many_freedoms,
-    r"sub\.mtx: has no mass \(\*MATRIX, TYPE=MASS\)": _substructure_without_mass,
+    r"job\.mas \(mass\) .*job\.sti": _no_mass,
+    r"job\.sti: .*72 rows.*73 ": _too_many_freedoms,
+    r"sub\.mtx: .*\(\*MATRIX, TYPE=MASS\)": _substructure_without_mass,
     r"sub\.mtx: has 2 elements": _two_elements,
-    r"job_MASS1\.mtx: is no substructure": _no_substructure,
+    r"job_MASS1\.mtx: .*substructure": _no_substructure,
     r"job\.inp: includes itself": _itself,
-    r"job_MASS1\.mtx: node -3 is internal to Abaqus": _internal_node,
-    r"job\.inp: line \d+: \*TRANSFORM.* gives nodes axes of their own": _local_axes,
-    r"job\.inp: line 4: \*Node, System=C.* gives nodes axes of their own": _cylindrical,
-    r"n\.node: line 13: node 40 has axes of its own": _turned_node,
-    r"k\.mapping: line \d+: .* is no equation, node and one of UX": _temperature,
-    r"m\.matrix: is of type CSA; only assembled real matrices": _complex,
-    "the stiffness matrix is not symmetric": _unsymmetric,
-    r"job\.pch: node 13 component 1 is not in the stiffness matrix": _of_another_model,
-    "the mass matrix is 72 x 66; it must be 72 x 72": _rectangular,
-    r"job\.pch: has no GRID; give coordinates": _no_grid,
-    "must both name the node and component": _mixed,
-    "the file is hardly in them": _millimetres,
+    r"job_MASS1\.mtx: node -3 ": _internal_node,
+    r"job\.inp: line \d+: \*TRANSFORM": _local_axes,
+    r"job\.inp: line 4: \*Node, System=C": _cylindrical,
+    r"n\.node: line 13: node 40 .*axes": _turned_node,
+    r"k\.mapping: line \d+: .*UX": _temperature,
+    r"m\.matrix: .*CSA": _complex,
+    "stiffness.*symmetric": _unsymmetric,
+    r"job\.pch: node 13 component 1 ": _of_another_model,
+    "mass .*72 x 66.*72 x 72": _rectangular,
+    r"job\.pch: .*GRID": _no_grid,
+    "both name": _mixed,
+    "kg/m3": _millimetres,
 }
 
 
@@ -265,7 +265,7 @@ def test_rows_that_rigid_motions_stress_are_a_sentence(tmp_path):
     data = _with_rows()
     rows = np.roll(data.outputs.rows, 1, axis=1)
     write_npz(tmp_path / "frame.npz", replace(data, outputs=replace(data.outputs, rows=rows)))
-    with pytest.raises(ComponentError, match=r"is not zero in rigid motions, by .* its row does not belong"):
+    with pytest.raises(ComponentError, match=r"rigid motions.*row"):
         imported(tmp_path / "frame.npz").model()
 
 

@@ -155,15 +155,15 @@ def _not_a_number(data):
 
 
 BROKEN = {
-    "stiffness matrix is not symmetric": _unsymmetric,
-    "rigid motions cost energy": _grounded,
-    "mass: 1 values are not finite": _not_a_number,
-    "1 nodes of the matrices have no coordinates, the first is 5": lambda d: replace(
+    "stiffness.*symmetric": _unsymmetric,
+    "rigid motions.*energy": _grounded,
+    "mass: 1 values.*finite": _not_a_number,
+    "1 nodes .* 5": lambda d: replace(
         d, nodes=np.delete(d.nodes, 4), coordinates=np.delete(d.coordinates, 4, axis=0)
     ),
-    "degrees of freedom are listed, and the matrices have": lambda d: replace(d, dofs=d.dofs[:-2]),
-    "the mass matrix is": lambda d: replace(d, mass=d.mass[:-6, :-6]),
-    "the file is hardly in them": lambda d: replace(
+    "of freedom .*listed": lambda d: replace(d, dofs=d.dofs[:-2]),
+    "mass matrix": lambda d: replace(d, mass=d.mass[:-6, :-6]),
+    "kg/m3": lambda d: replace(
         transformed(
             d, sparse.csr_array(sparse.diags_array(np.where(d.dofs[:, 1] <= 3, 1e-3, 1.0))), d.dofs
         ),
@@ -187,13 +187,11 @@ def _as_reduced(change):
 
 
 FOREIGN = {
-    "mass samples: their mass differs from that of the mass matrix by 1 of it": lambda d: replace(
-        d, samples=replace(d.samples, masses=2.0 * d.samples.masses)
-    ),
-    "sample_positions or sample_displacement do not belong to it": lambda d: replace(
+    "mass samples: .*by 1 ": lambda d: replace(d, samples=replace(d.samples, masses=2.0 * d.samples.masses)),
+    "sample_positions .*sample_displacement": lambda d: replace(
         d, samples=replace(d.samples, positions=d.samples.positions + np.array((5.0, 0.0, 0.0)))
     ),
-    "does not move with rigid motions as its place says": lambda d: replace(
+    "rigid motions.*place": lambda d: replace(
         d, recovery=replace(d.recovery, coordinates=d.recovery.coordinates[::-1])
     ),
 }
@@ -227,7 +225,7 @@ def test_a_point_on_a_node_without_all_its_stiffness(tmp_path):
         stiffness=sparse.csr_array(keep @ data.stiffness @ keep),
         mass=sparse.csr_array(keep @ data.mass @ keep),
     )
-    with pytest.raises(ComponentError, match="moves without stiffness: left about z; join the point"):
+    with pytest.raises(ComponentError, match="left about z"):
         imported(_stored(tmp_path, bare)).model()
 
 
@@ -249,15 +247,15 @@ def test_rows_that_nothing_meets_change_nothing(tmp_path):
 
 def test_files_cut_off_and_points_that_are_not_there_are_sentences(tmp_path):
     path = _stored(tmp_path, frame_data(bar_frame()))
-    with pytest.raises(ComponentError, match="there is no node 99"):
+    with pytest.raises(ComponentError, match="node 99"):
         imported(path, points=(("left", 99),)).model()
     path.write_bytes(path.read_bytes()[:4000])
-    with pytest.raises(ComponentError, match="cannot be read as npz"):
+    with pytest.raises(ComponentError, match="npz"):
         imported(path).model()
     write_npz(path, frame_data(bar_frame()))  # compressed
     content = path.read_bytes()
     path.write_bytes(content[:300] + bytes(200) + content[500:])
-    with pytest.raises(ComponentError, match="cannot be read as npz"):
+    with pytest.raises(ComponentError, match="npz"):
         imported(path).model()
 
 

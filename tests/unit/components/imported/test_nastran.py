@@ -179,16 +179,16 @@ def test_damaged_files_are_sentences(tmp_path):
     with pytest.raises(ComponentError, match=r"outboard\.op4: "):
         _superelement("outboard", tmp_path).model()
     (tmp_path / "outboard.op4").unlink()
-    with pytest.raises(ComponentError, match=r"outboard\.op4: is not there"):
+    with pytest.raises(ComponentError, match=r"outboard\.op4: "):
         _superelement("outboard", tmp_path).data()
     write_op4(tmp_path / "outboard.op4", {"kgg": np.eye(3)})
-    with pytest.raises(ComponentError, match=r"no matrix of mass \(maa, mxx"):
+    with pytest.raises(ComponentError, match=r"mass \(maa, mxx"):
         _superelement("outboard", tmp_path).data()
 
 
 def test_inches_taken_for_metres_are_told():
     body = ImportedBody((("file", str(PAIR / "inboard.asm")),), "inches", tuple(POINTS.items()))
-    with pytest.raises(ComponentError, match="hardly in them"):
+    with pytest.raises(ComponentError, match="kg/m3"):
         body.model()
 
 
@@ -213,9 +213,7 @@ def test_a_superelement_that_we_write_is_read_back_in_full_and_by_what_nastran_k
     np.testing.assert_allclose(found.coordinates, data.coordinates, atol=1e-8)
     np.testing.assert_allclose(found.recovery.coordinates, data.recovery.coordinates, atol=1e-6)
     (tmp_path / "wing.op4").write_bytes((PAIR / "inboard.op4").read_bytes())
-    with pytest.raises(
-        ComponentError, match=r"lists 46 degrees of freedom, and the matrices of wing\.op4 have 32 rows"
-    ):
+    with pytest.raises(ComponentError, match=r"46 .*wing\.op4.*32 rows"):
         read_superelement(path)
 
 

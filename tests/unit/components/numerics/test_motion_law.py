@@ -119,20 +119,20 @@ def test_breaks():
 @pytest.mark.parametrize(
     ("terms", "words"),
     [
-        ([], "give a list of terms"),
-        ("step", "give a list of terms"),
-        ([{"profile": "stepp"}], "profiles are constant, ramp, step"),
+        ([], "list"),
+        ("step", "list"),
+        ([{"profile": "stepp"}], "constant, ramp, step"),
         ([3.0], "profiles are"),
-        ([{"profile": "step", "change": 1.0}], "term 1 of the law, step: duration is missing"),
-        ([{"profile": "step", "change": 1.0, "duration": 0}], "it must be positive"),
-        ([{"profile": "step", "change": "1", "duration": 1}], "change is '1'; it must be a finite number"),
-        ([{"profile": "ramp", "change": np.inf, "duration": 1}], "it must be a finite number"),
+        ([{"profile": "step", "change": 1.0}], "term 1 .*step: duration"),
+        ([{"profile": "step", "change": 1.0, "duration": 0}], "duration .*0.*positive"),
+        ([{"profile": "step", "change": "1", "duration": 1}], "change .*'1'"),
+        ([{"profile": "ramp", "change": np.inf, "duration": 1}], "change .*inf"),
         (
             [{"profile": "ramp", "change": 1, "duration": 1, "end": 2}],
-            "end is not a known number; numbers are",
+            "end .*numbers",
         ),
-        ([{"profile": "table", "times": [0, 0], "values": [1, 2]}], "the times rising"),
-        ([{"profile": "table", "times": 1.0, "values": 2.0}], "as many values as times"),
+        ([{"profile": "table", "times": [0, 0], "values": [1, 2]}], "times rising"),
+        ([{"profile": "table", "times": 1.0, "values": 2.0}], "many values"),
     ],
 )
 def test_what_is_no_law_is_told(terms, words):

@@ -66,11 +66,11 @@ def test_torque_has_the_power_of_its_loads(turn_a, turn_b, spin_a, spin_b, loads
 @pytest.mark.parametrize(
     ("axis", "sentence"),
     [
-        ((0.0, 1.0), "axis has 2 numbers; give the three components of a hinge line"),
+        ((0.0, 1.0), "axis .*2 numbers"),
         ((0.0, 0.0, 1.0, 0.0), "axis has 4 numbers"),
-        ((0.0, 0.0, 0.0), "axis has no length; give the direction of a hinge line"),
-        ((0.0, np.inf, 0.0), "give finite components of a hinge line"),
-        ((0.0, np.nan, 0.0), "give finite components of a hinge line"),
+        ((0.0, 0.0, 0.0), "axis .*length"),
+        ((0.0, np.inf, 0.0), "finite"),
+        ((0.0, np.nan, 0.0), "finite"),
     ],
 )
 def test_what_is_no_direction_is_refused_by_a_sentence(axis, sentence):

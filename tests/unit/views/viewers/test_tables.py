@@ -134,10 +134,10 @@ def test_what_cannot_be_written_is_told(path, tmp_path):
     kept = tmp_path / "kept.csv"
     kept.write_text("mine", encoding="utf-8")
     assert "ends with .csv" in told(path, "--out", tmp_path / "a.mat", "--format", "csv")
-    assert "there is no format 'step'" in told(path, "--out", tmp_path / "a.csv", "--format", "step")
-    assert "its suffix is of no known format" in told(path, "--out", tmp_path / "a.step")
+    assert "'step'" in told(path, "--out", tmp_path / "a.csv", "--format", "step")
+    assert "a.step" in told(path, "--out", tmp_path / "a.step")
     assert "exists already" in told(path, "--out", kept)
-    assert "no signal matches 'door'" in told(path, "--out", tmp_path / "a.csv", "--signals", "door")
+    assert "'door'" in told(path, "--out", tmp_path / "a.csv", "--signals", "door")
     assert "more than 10000000" in told(path, "--out", tmp_path / "a.csv", "--every", "1e-9")
     assert kept.read_text(encoding="utf-8") == "mine"
     assert [one.name for one in tmp_path.iterdir()] == ["kept.csv"]
@@ -149,16 +149,16 @@ def test_the_result_itself_is_never_replaced(path, tmp_path):
     """Even where its name ends like an export and leave is given."""
     itself = tmp_path / "run.csv"
     itself.write_bytes(path.read_bytes())
-    assert "is the result itself" in told(itself, "--out", itself, "--replace")
+    assert "itself" in told(itself, "--out", itself, "--replace")
     (tmp_path / "link.csv").hardlink_to(itself)
-    assert "is the result itself" in told(itself, "--out", tmp_path / "link.csv", "--replace")
+    assert "itself" in told(itself, "--out", tmp_path / "link.csv", "--replace")
     assert Result.open(itself).complete
 
 
 @pytest.mark.parametrize("ending", ["csv", "mat", "glb", "pvd"])
 def test_folders_that_are_not_there_are_told_at_once(path, tmp_path, ending):
     """Regression: a sentence of SciPy's, and for a series after all of its work."""
-    assert "there is no folder" in told(path, "--out", tmp_path / "none" / f"wing.{ending}")
+    assert str(tmp_path / "none") in told(path, "--out", tmp_path / "none" / f"wing.{ending}")
 
 
 def test_damaged_and_interrupted_results_are_told(path, tmp_path):
