@@ -12,6 +12,9 @@ from components.contract.component import Vector
 from .result import Result
 from .signal import EVENT_WIDTH
 
+_BEYOND = 1.01
+"""Times the kinetic energy of all bodies, beyond which a line vibrates; below, both are the same up to rounding."""
+
 
 def latch_rates(result: Result, times: Mapping[str, float]) -> dict[str, float]:
     """Sizes of the rates (rad/s) of lines just before they latch, at these times (s), of the hinge that senses it."""
@@ -51,7 +54,8 @@ def latch_energies(
             found[line.name] = 0.5 * impulses[line.name] * rate
         elif line.inertia is not None:
             most = float(moving[row_before(result, times[line.name])])
-            found[line.name] = min(0.5 * line.inertia * rate**2, most)
+            whole = 0.5 * line.inertia * rate**2
+            found[line.name] = most if whole > _BEYOND * most else whole
     return found
 
 
