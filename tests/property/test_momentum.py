@@ -97,7 +97,7 @@ ORDERS = pytest.mark.parametrize("order", [2, 4])
 @ORDERS
 @pytest.mark.parametrize("latch", ["none", "spring", "kinematic"])
 def test_deployment_in_free_flight_keeps_both_momenta(latch, order):
-    """Benchmark 14: P and H constant to 1e-12 of the largest body momentum, through motor, friction and latch.
+    """Reference: P and H constant to 1e-12 of the largest body momentum, through motor, friction and latch.
 
     The angular momentum of a connection's two wrenches is balanced as far as the coupling iterates; the linear
     one always.
@@ -129,7 +129,7 @@ def test_adaptive_deployment_keeps_both_momenta_to_the_tolerance_of_the_iteratio
 @ORDERS
 @pytest.mark.parametrize("latch", ["spring", "kinematic"])
 def test_energy_of_the_deployment_closes(latch, order):
-    """Benchmark 14: stored + dissipated is constant; the rest is the rotation error, of second order in the step."""
+    """Reference: stored + dissipated is constant; the rest is the rotation error, of second order in the step."""
     rest = []
     for step in (2e-3, 1e-3):
         run = free_scene(latch, 0.25, Settings(tolerance=1e-8, fixed_step=step, order=order))

@@ -32,7 +32,7 @@ LAST = 12.1
 """s; behind the last latch-up by those times, even if it were late by what fidelity may make of it."""
 
 FLEXIBLE_MODES = {"yoke": 22, "panel1": 28, "panel2": 16}
-"""10 fixed-interface modes, 6 for each attachment point, less the 6 rigid-body ones (issue 2, done-when 2)."""
+"""10 fixed-interface modes, 6 for each attachment point, less the 6 rigid-body ones."""
 
 LATCH_TORQUE_PEAKS = {"HL3": 27.238, "HL2": 21.029, "HL1": 32.841}
 """N.m; Fanfold, 2026-11-28, tolerance 1e-6, all rigid with spring latches: a change of the numbers must be meant."""
@@ -79,7 +79,7 @@ def rigid(outcome_of):
 
 
 def test_hinge_lines_latch_in_order_at_published_times(rigid):
-    """Done-when 2: published events, each within 5 %, with the data sheet's values unchanged."""
+    """Published events, each within 5 %, with the data sheet's values unchanged."""
     times = rigid.headline.latch_times
     assert sorted(times, key=times.__getitem__) == ["HL3", "HL2", "HL1"]
     assert times == pytest.approx(LATCH_TIMES, rel=0.05)
@@ -88,7 +88,7 @@ def test_hinge_lines_latch_in_order_at_published_times(rigid):
 
 
 def test_energy_is_accounted_for(rigid):
-    """Done-when 3: independent sums, every dissipation computed on its own, against the motors' release."""
+    """Independent sums, every dissipation computed on its own, against the motors' release."""
     assert rigid.headline.energy_residual < 1e-4
     result = Result.open(rigid.path)
     dissipated = result.signal("scene", "dissipated_energy")
@@ -97,7 +97,7 @@ def test_energy_is_accounted_for(rigid):
 
 
 def test_latch_torque_peaks_stay(rigid):
-    """Regression: within the accuracy of a run at the default tolerance (done-when 4 allows 1e-3)."""
+    """Regression: within the accuracy of a run at the default tolerance."""
     assert rigid.headline.latch_torque_peaks == pytest.approx(LATCH_TORQUE_PEAKS, rel=5e-3)
 
 
@@ -112,7 +112,7 @@ def test_wing_rests_deployed(rigid):
 
 @pytest.mark.parametrize("flexible", COMBINATIONS, ids=identifier)
 def test_every_combination_starts_and_runs(flexible, outcome_of):
-    """Done-when 2: modes as specified, static preload found, and first steps taken, as FMUs."""
+    """Modes as specified, static preload found, and first steps taken, as FMUs."""
     parts = {part.name: part for part in assembly_of(flexible).parts}
     for name in BODIES:
         modes = len(parts[name].structure["modal"]["frequency"])
@@ -131,7 +131,7 @@ def test_every_combination_starts_and_runs(flexible, outcome_of):
 
 @pytest.mark.parametrize("flexible", COMBINATIONS[1:], ids=identifier)
 def test_latch_times_hardly_depend_on_fidelity(flexible, rigid, outcome_of):
-    """Done-when 2: independent models of the bodies agree with the all-rigid run within 3 %."""
+    """Independent models of the bodies agree with the all-rigid run within 3 %."""
     found = outcome_of(flexible).headline
     assert found.complete
     assert found.latch_times == pytest.approx(rigid.headline.latch_times, rel=0.03)
@@ -139,7 +139,7 @@ def test_latch_times_hardly_depend_on_fidelity(flexible, rigid, outcome_of):
 
 
 def test_scene_values_are_those_of_the_sheet():
-    """Done-when 2, retuning is no fix: totals of the data sheet's table, read from the scene file itself."""
+    """Retuning is no fix: totals of the data sheet's table, read from the scene file itself."""
     text = Path(find_scene("amos3")).read_text(encoding="utf-8")
     for value in ("1.648 N.m", "1.048 N.m", "1.591 N.m", "0.937 N.m", "2.021 N.m", "1.199 N.m", "28.76 N.m.s/rad",
                   "5367 N/m", "3476 N/m", "40 N"):  # fmt: skip
@@ -147,7 +147,7 @@ def test_scene_values_are_those_of_the_sheet():
 
 
 def test_the_default_tolerance_is_kept_by_the_flexible_wing(outcome_of):
-    """Issue 2, done-when 4: at tolerance 1e-4 latch times and peaks err by less than 1e-3 of a tight reference."""
+    """At tolerance 1e-4 latch times and peaks err by less than 1e-3 of a tight reference."""
     assert assembly_of(BODIES).tolerance == 1e-4
     found = outcome_of(BODIES).headline
     assert found.latch_times == pytest.approx(FLEXIBLE_REFERENCE["times"], rel=1e-3)

@@ -1,4 +1,4 @@
-"""Energy where nothing is dissipated and so nothing can hide, at a tight tolerance (issue 2, done-when 3).
+"""Energy where nothing is dissipated and so nothing can hide, at a tight tolerance.
 
 The residual of the balance relative to what the motors release up to then: below 1e-6 at tolerance 1e-6 (how it
 falls with H stands in test_order.py). Stiff joints that ring after release or latch-up faster than any step

@@ -34,14 +34,14 @@ def test_arrays_and_long_collections_are_summarised():
 
 
 def test_records_of_results_fit_a_screen(result):
-    """Done-when: a result, its headline, a signal, an instant and a comparison fit a screen each."""
+    """A result, its headline, a signal, an instant and a comparison fit a screen each."""
     signal = result["hinge_left", "angle"]
     for record in (result, result.headline, signal, result.at(0.5), fanfold.compare(result, result)):
         assert 0 < len(repr(record)) < SCREEN
 
 
 def test_records_of_scenes_fit_a_screen():
-    """Done-when: a scene and what analyses return fit a screen each."""
+    """A scene and what analyses return fit a screen each."""
     scene = fanfold.load("amos3")
     records = (
         scene,

@@ -101,7 +101,7 @@ def test_left_jacobian(size):
 
 
 def test_free_rotor_has_the_published_constants():
-    """Benchmark 10: k^2, period and w(10 s), to the digits given."""
+    """Reference: k^2, period and w(10 s), to the digits given."""
     rotor = free_rotor(INERTIA, START)
     assert rotor.parameter == pytest.approx(0.333355555, abs=6e-10)
     assert rotor.period == pytest.approx(6.93560682, abs=6e-9)

@@ -67,7 +67,7 @@ def fastest(code, *, tries=5):
 
 
 def test_help_comes_at_once():
-    """Done-when: `fanfold --help` takes at most three times what `import numpy` takes."""
+    """`fanfold --help` takes at most three times what `import numpy` takes."""
     shown = "import sys; sys.argv = ['fanfold', '--help']; from orchestrator.cli.main import main; main()"
     assert fastest(shown) < 3.0 * fastest("import numpy")
 

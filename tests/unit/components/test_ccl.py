@@ -60,7 +60,7 @@ def loaded(mode="endpoint", guided=False):
 
 
 def test_published_statics():
-    """Benchmark 6: r 60 and 30 mm, L 0.95 m, strands 23.899 and 56.101 N; to the digits given."""
+    """Reference: r 60 and 30 mm, L 0.95 m, strands 23.899 and 56.101 N; to the digits given."""
     component, c, x, u = loaded()
     z = observed(component, c, x, u)
     assert (z["tension_a"], z["tension_b"]) == pytest.approx(STRANDS, rel=1e-12)

@@ -57,7 +57,7 @@ def leaves(run):
 
 
 def test_hertz_impact():
-    """Benchmark 8: closed forms of an impact under k s^1.5 give 6.279716 mm, 497.634 N and 36.9659 ms.
+    """Reference: closed forms of an impact under k s^1.5 give 6.279716 mm, 497.634 N and 36.9659 ms.
 
     The duration errs by (w h)^2 / 12 with w = pi / duration; extrapolated, terms of the order of (w h)^4 are left.
     Peaks lie on the discrete energy surface; what is left is the cubic interpolant's (w h)^4 / 384.

@@ -43,7 +43,7 @@ def rotor(h, until, torque=TORQUE, peak_rate=0.0, rate=0.0):
 
 
 def test_terminal_rate_and_time_constant():
-    """Benchmark 3: J w' = T - c w has 0.055633 rad/s and 4.0090 s; the mean rate makes it second order.
+    """Reference: J w' = T - c w has 0.055633 rad/s and 4.0090 s; the mean rate makes it second order.
 
     Of the discrete rule, 1/tau errs by (h / tau)^2 / 12, and the extrapolation leaves (h / tau)^4.
     """

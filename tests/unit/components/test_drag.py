@@ -61,7 +61,7 @@ def hinged(h, until, place=0.0):
 
 @pytest.mark.parametrize("place", [0.0, 0.805])
 def test_plate_about_its_hinge(place):
-    """Benchmark 4: w = wi tanh(t / tau), wi 1.237235 rad/s, tau 3.86723 s, wherever the port sits on the plate.
+    """Reference: w = wi tanh(t / tau), wi 1.237235 rad/s, tau 3.86723 s, wherever the port sits on the plate.
 
     A relative error of (h / tau)^2 of order one, extrapolated (h / tau)^4; a port that goes round on a circle
     adds the error of its chord, (wi h)^2 / 24 before and its square after extrapolation. The hinge gives 1e-6 m.

@@ -25,7 +25,7 @@ PEAK_RATE = {"step": 1.5, "step5": 1.875}
 
 @pytest.mark.parametrize("profile", PEAK_RATE)
 def test_motion_laws(profile):
-    """Benchmark 13: peak rates 1.5 and 1.875 h/T at the middle, for h = 1.2 in T = 2, from rest to rest."""
+    """Reference: peak rates 1.5 and 1.875 h/T at the middle, for h = 1.2 in T = 2, from rest to rest."""
     law = MotionLaw(profile == "step5", -0.2, 1.2, 0.5, 2.0)
     times = np.linspace(0.5, 2.5, 2001)
     rates = np.array([law.rate(t) for t in times])
@@ -39,7 +39,7 @@ def test_motion_laws(profile):
 
 
 def test_peak_acceleration_of_step5():
-    """Benchmark 13: 10 / sqrt(3) h/T^2 at 0.2113 T, which is 6928.2 mm/s2 for 1200 mm in 1 s."""
+    """Reference: 10 / sqrt(3) h/T^2 at 0.2113 T, which is 6928.2 mm/s2 for 1200 mm in 1 s."""
     law = MotionLaw(True, 0.0, 1.2, 0.0, 1.0)
     times = np.linspace(0.0, 0.5, 5001)
     # central differences err by d^2 / 6 of the third derivative of the rate, 360 h / T^4
@@ -49,7 +49,7 @@ def test_peak_acceleration_of_step5():
 
 
 def test_acceleration_of_step_jumps_at_both_ends():
-    """Benchmark 13: from 0 to 6 h/T^2 and from -6 h/T^2 to 0; the quotient errs by d / 2 of 12 h / T^3."""
+    """Reference: from 0 to 6 h/T^2 and from -6 h/T^2 to 0; the quotient errs by d / 2 of 12 h / T^3."""
     law = MotionLaw(False, 0.0, 1.2, 0.0, 1.0)
     ahead, behind = (law.rate(1e-6) - law.rate(0.0)) / 1e-6, (law.rate(1.0) - law.rate(1.0 - 1e-6)) / 1e-6
     assert (ahead, behind) == pytest.approx((7.2, -7.2), abs=1e-5)

@@ -75,14 +75,14 @@ def ratios(verified, *quantities):
 
 
 def test_estimated_error_of_smooth_quantities(verified):
-    """Done-when 4: within a factor 2 of the true error, here a run with other steps and 20 times its accuracy."""
+    """Within a factor 2 of the true error, here a run with other steps and 20 times its accuracy."""
     found = ratios(verified, "latch time", "motor work")
     assert len(found) == 2
     assert all(0.5 < ratio < 2.0 for ratio in found.values()), found
 
 
 def test_estimated_error_of_peaks(verified):
-    """Done-when 4: within a factor 4 of the true error for peaks, which are interpolated between steps."""
+    """Within a factor 4 of the true error for peaks, which are interpolated between steps."""
     found = ratios(verified, "latch torque peak", "interface force peak")
     assert len(found) == 3
     assert all(0.25 < ratio < 4.0 for ratio in found.values()), found

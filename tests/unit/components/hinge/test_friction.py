@@ -32,7 +32,7 @@ def sliding_rotor(steps, rate=1.0, transition=0.0167, torque=0.0, order=2):
 
 @pytest.mark.parametrize("transition", [0.0167, 1e-3])
 def test_coulomb_friction_stops_the_rotor(transition):
-    """Benchmark 5: 12.5028 s and 6.2514 rad. Constant friction is exact at any step until the transition.
+    """Reference: 12.5028 s and 6.2514 rad. Constant friction is exact at any step until the transition.
 
     Below it the friction fades, which adds an angle in closed form, the integral of J w dw / T(w). Steps are
     its midpoint rule in w, so they err by at most (h T / J)^2 / 8 times the change of the integrand's slope,

@@ -64,7 +64,7 @@ def momentum_about_pin(run):
 
 @pytest.mark.parametrize("step", [1e-4, 1e-3, 5e-3, 2e-2])
 def test_kinematic_latch_is_a_plastic_event(step):
-    """Benchmark 15: H about HL1 is kept; energy falls by J_eff w^2 / 2 = 3.82 J, to 1e-6 at every step size.
+    """Reference: H about HL1 is kept; energy falls by J_eff w^2 / 2 = 3.82 J, to 1e-6 at every step size.
 
     Until then centrifugal moments, which go with the lead, change the rate by the order of the lead squared.
     """

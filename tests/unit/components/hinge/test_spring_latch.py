@@ -16,7 +16,7 @@ PAIR = (6.2514 * 3.233333333 / (6.2514 - 3.233333333), 6.2514)
 
 
 def spring_driven_panel(step):
-    """Benchmark 1: a rigid panel that opens from rest by 180 deg."""
+    """Reference: a rigid panel that opens from rest by 180 deg."""
     (inertia, stiffness, wind_up), mass, arm = DRIVEN, 7.582, 0.805
     panel = rigid(
         "panel", mass, (1.0, inertia - mass * arm**2, 2.2), {"root": (0, 0, 0)}, (arm, 0, 0),
@@ -50,7 +50,7 @@ def time_of(run, angle):
 
 
 def test_spring_driven_panel_latches_at_the_published_time():
-    """Benchmark 1: 180 deg at 4.27132 s with 1.370585 rad/s, 90 deg on the closed form; second order in the step.
+    """Reference: 180 deg at 4.27132 s with 1.370585 rad/s, 90 deg on the closed form; second order in the step.
 
     Extrapolated. What is left: the centrifugal 11.5 N stretches 1e8 N/m by 1.2e-7 m, hence 2e-7 of the inertia
     and 1e-7 of the time; the fourth order of h w, 2e-10; the rate's ringing about the constraint, second order.
@@ -110,7 +110,7 @@ def frequency(run):
 
 @pytest.mark.parametrize(("per_degree", "published"), [(2 * 10.0, 2.99620), (2 * 19.344, 4.167200)])
 def test_latched_pair_swings_at_the_published_frequency(per_degree, published):
-    """Benchmark 2 (Bagnoli A.2.3): 2.99620 and 4.167200 Hz for J1 J2 / (J1 + J2) = 3.23333 kg m2.
+    """Bagnoli A.2.3: 2.99620 and 4.167200 Hz for J1 J2 / (J1 + J2) = 3.23333 kg m2.
 
     The step lowers it by 5/24 (w h)^2: 1/12 for the mean of both ends, 1/8 for the inertial terms, whose
     weights 0.20 and 0.05 act like a mass of k h^2 / 4. The next order is (w h)^2 of that, at most 0.003;
