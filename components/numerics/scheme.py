@@ -4,7 +4,7 @@ OF_INCREMENTS = 0.20
 OF_RATES = 0.05
 """Shares of k d and k p in the inertial terms of a stiff coordinate, see `stiff_coordinate`."""
 NUMERICAL_DAMPING = 0.1
-"""Share of k h in the damping of a rough motion, see `workless_pair`."""
+"""Share of k h in the damping of a rough motion, see `fourth_order_correction`."""
 LEAST_RATE = 1e-30
 """Added to a sum of rates by which the roughness is divided."""
 ROUGH = 1e-2

@@ -27,7 +27,7 @@ from .scheme import OF_INCREMENTS, OF_RATES
 class Memory(NamedTuple):
     """What a coordinate remembers of the last step: its mean rate, its end rate p / h, and how rough it went.
 
-    Of order 4, the end rate is the one that the path has, and roughness acts, see `workless_pair`.
+    Of order 4, the end rate is the one that the path has, and roughness acts, see `fourth_order_correction`.
     """
 
     mean_rate: float

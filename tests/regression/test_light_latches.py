@@ -39,10 +39,10 @@ def test_peak_follows_the_tolerance(tmp_path, scene, tolerance, until, peak, err
 def test_first_swing_beside_a_lock_is_resolved():
     """Random wing 40: in steps of 20 ms the hinge of L2, beside a lock, would turn against its torque.
 
-    Against 304.7 N of a run at a hundredth of the tolerance. L2 latches at 4.660 s.
+    Against 314.7 N of a run at a hundredth of the tolerance. L2 latches at 4.660 s.
     """
     scene = load_wing(40)
     assembly = assemble(scene)
     tolerance = scene.header.tolerance
     found = run(assembly, None, Settings(tolerance, assembly.largest_step), until=4.7).headline
-    assert found.interface_force_peaks[2] == pytest.approx(304.7, rel=10.0 * tolerance)
+    assert found.interface_force_peaks[2] == pytest.approx(314.7, rel=10.0 * tolerance)

@@ -121,7 +121,13 @@ def scene_of(angle, until):
         along = (float(np.cos(turn)), 0.0, float(np.sin(turn)))
         place = {"body": "base", "point": point, "offset": offset, "orientation": {"x": along}}
         scene.body(
-            name, beam=beam, place=place, fidelity="flexible", fixed_interface_modes=4, damping_ratio=0.0
+            name,
+            beam=beam,
+            place=place,
+            fidelity="flexible",
+            fixed_interface_modes=4,
+            second_order_modes=0,
+            damping_ratio=0.0,
         )
     for name, ends in {
         "first": (("base", "left"), ("crank", "a")),

@@ -193,7 +193,7 @@ def test_no_text_ends_the_script():
 
 def test_what_cannot_be_shown_is_told(result, flexible, monkeypatch):
     """No scene, no face sheets, no room for stresses, a motion that is not finite."""
-    assert any("its scene" in one for one in seen(result).remarks)
+    assert any(one.startswith("Ports") for one in seen(result).remarks)
     monkeypatch.setattr(bodies.Room, "takes", lambda self, rows: False)
     told = seen(flexible)
     assert any("No stress" in one and "panel" in one for one in told.remarks)
