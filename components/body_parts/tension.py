@@ -6,7 +6,7 @@ of the modal rates,
 
     u0 = -g + K m / 2,    u1 = -(g1 - g0) / 2:
 
-of order 4, as the pair of K does no work, and the work of the rest is the energy exactly (`numerics.fourth_order_correction`).
+of order 4, as the pair of K does no work, and the work of the rest is the energy exactly (`fourth_order_correction`).
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ friction, so that a load that swings causes no drift:
 
     force = -(k z + c s'), at most F in size;   z' = s', but k z never exceeds F.
 
-Over a step the rate s' is linear in time (`fourth_order_correction`), and so is F. The step then consists of at most five
+Over a step the rate s' is linear in time (order 4), and so is F. The step then consists of at most five
 stretches on which the contact sticks or slides, and of parts on which the force is a quadratic of time. Mean, slope
 and heat of the force are their exact integrals: sticking is as accurate as a spring of order 4, sliding as friction of
 order 4, and breaking away and turning around within a step cost no accuracy. The work is that of the force along the

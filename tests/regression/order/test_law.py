@@ -9,8 +9,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from components.numerics.fourth_order_correction import remembered_path, workless_law, workless_spring
 
+from components.numerics.fourth_order_correction import remembered_path, workless_law, workless_spring
 from components.numerics.laws import Law, Linear, mean_force
 from components.numerics.stiff_coordinate import bushing_load, damped_load, remembered
 from tests.references.held_beam import Beam, Path, coupled, energy, exact_means, integrated_means

@@ -196,7 +196,7 @@ def test_what_cannot_be_shown_is_told(result, flexible, monkeypatch):
     assert any(one.startswith("Ports") for one in seen(result).remarks)
     monkeypatch.setattr(bodies.Room, "takes", lambda self, rows: False)
     told = seen(flexible)
-    assert any("No stress" in one and "panel" in one for one in told.remarks)
+    assert any("Stress of panel" in one for one in told.remarks)
     assert told.stress_tolerance == 0.0
     broken = np.array(flexible.signal("panel", "frame_position"))
     broken[3, 0] = np.nan
