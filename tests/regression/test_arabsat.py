@@ -60,6 +60,7 @@ def test_phase_2_is_quasi_stationary_and_its_energy_balance_closes():
 
 @pytest.mark.slow
 @pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
+@pytest.mark.thorough
 def test_phase_2_takes_no_minutes_for_seconds():
     """Regression: a beat that came a second later was taken for 16 tolerances; the repetition took 278,104 steps.
 

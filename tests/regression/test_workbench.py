@@ -59,6 +59,7 @@ def peak_with(modes, *variants):
     return found.latch_torque_peaks["HL"]
 
 
+@pytest.mark.thorough
 def test_mode_counts_as_the_thesis_found():
     """Section 3.2.2: a few per cent with 2 modes, below 1 % with 10; the semi-flexible panel is less sensitive."""
     pure = [peak_with(modes) / peak_with(30) - 1.0 for modes in (2, 10)]

@@ -80,6 +80,7 @@ def test_linear_theory_beyond_its_range_is_told(told_runs):
     assert 'geometry = "von_karman"' in sentence
 
 
+@pytest.mark.thorough
 def test_a_membrane_that_stretches_lags_less():
     """Design: 2.51 mm at 25.5 ms on a border that follows the law and does not give way; nothing is told of it."""
     scene = fanfold.load("antenna", "von_karman", settings=COARSE)

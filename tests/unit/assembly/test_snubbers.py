@@ -62,6 +62,7 @@ def test_readers_take_a_hold_downs_force(path):
     assert fanfold.compare(result, result).rows
 
 
+@pytest.mark.thorough
 def test_panels_on_the_wrong_faces_are_told():
     """With the other sign of HL2's offsets panel2 would open through panel1; a sound stack is not doubted."""
     assert fanfold.check_scene(STACK).warnings == ()

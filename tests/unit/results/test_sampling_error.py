@@ -115,6 +115,7 @@ def test_a_swing_is_over_between_rows():
 
 
 @pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
+@pytest.mark.thorough
 def test_a_latch_that_meets_a_wing_that_rings_is_told_of():
     """Regression: random wing 57 latches with a rate that rings; its peak is 1530.0 N.m (at 8e-6, 66,521 steps)."""
     scene = load_wing(57)

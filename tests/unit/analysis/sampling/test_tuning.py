@@ -85,6 +85,7 @@ def test_rows_after_the_end_are_refused(tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore:.*HL.*W-peak-at-end")  # times alone are compared
+@pytest.mark.thorough
 def test_the_data_sheet_of_amos3_from_its_latch_times():
     """Data sheet: 1.648, 1.591 and 2.021 N.m, found within 1e-3 from three latch times in less than thirty runs.
 
