@@ -32,7 +32,10 @@ def load_plugin(path: str | Path) -> frozenset[str]:
     PluginError where it cannot be read or run, or has a kind that there is already.
     """
     path = Path(path).resolve()
-    text = _content(path)
+    try:
+        text = content(path)
+    except OSError as error:
+        raise PluginError(f"{path}: the plugin cannot be read ({error.strerror})") from None
     digest, before = sha256(text).hexdigest(), _loaded.get(path)
     if before is not None and before.digest == digest:
         return before.kinds
@@ -55,18 +58,6 @@ def load_plugin(path: str | Path) -> frozenset[str]:
 def loaded_plugins() -> dict[Path, str]:
     """Files that this process has loaded, and the SHA-256 of their content, in hexadecimal digits."""
     return {path: known.digest for path, known in _loaded.items()}
-
-
-def plugin_digest(path: Path) -> str:
-    """SHA-256 of the content of a plugin, in hexadecimal digits; PluginError where it cannot be read."""
-    return sha256(_content(path)).hexdigest()
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return content(path)
-    except OSError as error:
-        raise PluginError(f"{path}: the plugin cannot be read ({error.strerror})") from None
 
 
 def _run(path: Path, text: bytes, digest: str) -> None:

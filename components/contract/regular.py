@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from errno import ENOENT
+from hashlib import sha256
 from pathlib import Path
 
 
@@ -19,3 +20,8 @@ def content(path: Path) -> bytes:
     if not is_regular(path):
         raise FileNotFoundError(ENOENT, "there is no such file", str(path))
     return path.read_bytes()
+
+
+def content_digest(path: Path) -> str:
+    """SHA-256 of the content of a file, in hexadecimal digits; OSError where it cannot be read."""
+    return sha256(content(path)).hexdigest()

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
 
-from components.contract.regular import content
+from components.contract.regular import content_digest
 
 from .bodies import body_files
 from .layers import files_besides
@@ -21,6 +20,6 @@ def digests(scene: CheckedScene) -> dict[str, str]:
 
 def _digest(path: Path) -> str:
     try:
-        return hashlib.sha256(content(path)).hexdigest()
+        return content_digest(path)
     except OSError:
         return ""

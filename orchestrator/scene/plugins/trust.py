@@ -12,7 +12,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from components.cache.disk import is_kept, kept
-from components.contract.plugins import PluginError, loaded_plugins, plugin_digest
+from components.contract.plugins import loaded_plugins
+from components.contract.regular import content_digest
 
 _GROUP = "trusted"
 _remembered: set[str] = set()
@@ -56,8 +57,8 @@ def _is_trusted(file: str) -> bool:
 def _digest(file: str) -> str | None:
     """Of the content; None where it cannot be read."""
     try:
-        return plugin_digest(Path(file))
-    except PluginError:
+        return content_digest(Path(file))
+    except OSError:
         return None
 
 
