@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from components.contract.frames import rotate, subtract
@@ -96,7 +98,9 @@ def singular_start_warnings(scene: CheckedScene) -> Iterator[str]:
     every, poses, moving = _joints(scene)
     held = [c for c in every if not c.driven]
     slopes = _slopes(held, poses, moving)
-    rank, nearby = _rank(slopes), _nearby(held, poses, moving, slopes)
+    _, values, directions = np.linalg.svd(slopes)
+    rank = _counted(values)
+    nearby = _nearby(held, poses, moving, directions[rank:])
     if nearby is not None and nearby != rank:
         yield _singular(rank, len(slopes), nearby)
 
@@ -115,15 +119,15 @@ def find_constraints(scene: CheckedScene) -> Constraints:
     found, poses, moving = _joints(scene)
     held = [c for c in found if not c.driven]
     slopes = _slopes(held, poses, moving)
-    values = np.linalg.svd(slopes, compute_uv=False)
-    rank = _rank(slopes)
+    _, values, directions = np.linalg.svd(slopes)
+    rank = _counted(values)
     names = [name for c in held for name in c.names()]
     order: list[int] = qr(slopes.T, mode="r", pivoting=True)[1].tolist() if names else []
     return Constraints(
         moving=moving,
         count=len(names),
         rank=rank,
-        nearby=_nearby(held, poses, moving, slopes),
+        nearby=_nearby(held, poses, moving, directions[rank:]),
         redundant=tuple(sorted(names[i] for i in order[rank:])),
         spins=tuple(name for name in moving if _spins(name, held, poses, moving, slopes)),
         driven=_rank(_slopes(found, poses, moving)) - rank,
@@ -138,16 +142,22 @@ def _slopes(held: Sequence[Constraint], poses: Mapping[str, StartPose], moving: 
 
 
 def _rank(slopes: Matrix) -> int:
-    values = np.linalg.svd(slopes, compute_uv=False)
+    return _counted(np.linalg.svd(slopes, compute_uv=False))
+
+
+def _counted(values: NDArray[np.floating[Any]]) -> int:
+    """Singular values (K,) that are more than round-off."""
     return int(np.sum(values > _RANK * values[0])) if values.size and values[0] > 0.0 else 0
 
 
 def _nearby(
-    held: Sequence[Constraint], poses: Mapping[str, StartPose], moving: Sequence[str], slopes: Matrix
+    held: Sequence[Constraint], poses: Mapping[str, StartPose], moving: Sequence[str], free: Matrix
 ) -> int | None:
-    """The rank after a small motion that the constraints allow, of all that can move at once."""
-    free = np.linalg.svd(slopes)[2][_rank(slopes) :] if held else np.zeros((0, 0))
-    if not len(free):
+    """The rank after a small motion that the constraints allow, of all that can move at once.
+
+    free: directions (K, 6 a body) of such motions.
+    """
+    if not held or not len(free):
         return None
     step = np.random.default_rng(0).standard_normal(len(free)) @ free
     away = displaced(poses, moving, _AWAY / np.abs(step).max() * step)
