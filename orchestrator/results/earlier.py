@@ -15,13 +15,12 @@ import h5py
 from .differences import leaves
 from .parts import json_of
 from .result import HDF5_ERRORS, ResultError
-from .result_file import refuse_to_replace
 
 SETTINGS, _TREE = "settings", "scene_tree"
 """Texts of the provenance: what a run was asked for, and its scene, as JSON."""
 _TOLD = 3
 """Differences that a sentence has room for."""
-_WAY_OUT = "name another file (--output), or allow its loss by --replace (replace=True)"
+WAY_OUT = "name another file (--output), or allow its loss by --replace (replace=True)"
 
 
 def settings_text(settings: Mapping[str, object]) -> str:
@@ -32,9 +31,9 @@ def settings_text(settings: Mapping[str, object]) -> str:
 def refuse_to_lose(path: Path, tree: Mapping[str, object], settings: Mapping[str, object]) -> None:
     """ResultError where a file is no result of this scene and these settings, and would be lost to a run of them.
 
-    tree: of the scene, with all layers merged. A result without rows is nothing to lose.
+    path: one that `refuse_to_replace` accepts. tree: of the scene, with all layers merged. A result without rows is
+    nothing to lose.
     """
-    refuse_to_replace(path)
     if not path.is_file() or not path.stat().st_size:
         return
     try:
@@ -43,9 +42,9 @@ def refuse_to_lose(path: Path, tree: Mapping[str, object], settings: Mapping[str
                 return
             before = {name: _text(file, name) for name in (_TREE, SETTINGS)}
     except HDF5_ERRORS:
-        raise ResultError(f"{path}: this file is damaged and cannot be compared; {_WAY_OUT}") from None
+        raise ResultError(f"{path}: this file is damaged and cannot be compared; {WAY_OUT}") from None
     if not all(before.values()):
-        raise ResultError(f"{path}: this result does not say what it was made with; {_WAY_OUT}")
+        raise ResultError(f"{path}: this result does not say what it was made with; {WAY_OUT}")
     now = {_TREE: json.dumps(tree), SETTINGS: settings_text(settings)}
     if sentence := unlike(path, _leaves(before), _leaves(now)):
         raise ResultError(sentence)
@@ -62,7 +61,7 @@ def unlike(path: Path, before: Mapping[str, str], now: Mapping[str, str]) -> str
         return ""
     more = f" and {len(differing) - _TOLD} more" if len(differing) > _TOLD else ""
     told = ", ".join(differing[:_TOLD])
-    return f"{path}: this file was made with other settings, {told}{more}. It stays: {_WAY_OUT}"
+    return f"{path}: this file was made with other settings, {told}{more}. It stays: {WAY_OUT}"
 
 
 def _text(file: h5py.File, name: str) -> str:

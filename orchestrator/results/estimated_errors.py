@@ -48,7 +48,7 @@ SIZING = (*OF_LATCHES, OF_STOPS)
 PROMISED = (*SIZING, OF_CONTACTS, *_LOADS)
 """Quantities that a run is repeated for where they are likely to miss."""
 JUDGED = (*PROMISED, *POINT_PEAKS)
-"""Quantities that a run vouches for, or says that it does not."""
+"""Quantities whose errors are compared with the tolerance."""
 
 
 class EstimatedError(NamedTuple):
@@ -112,11 +112,10 @@ def error_messages(
 ) -> list[str]:
     """Warnings of headline numbers (key and value) with large errors, and notes on those beyond ten tolerances.
 
-    Only promised quantities warn.
-
-    Latch times, impulses and torques are judged relative to their own values, components of a load relative to the
-    largest, stops and contacts relative to the one that is struck the hardest. refined: the smaller tolerance of the
-    repetition, if there was one. fixed_step: whether steps do not follow from the tolerance.
+    Only promised quantities warn. Latch times, impulses and torques are judged relative to their own values,
+    components of a load relative to the largest, stops and contacts relative to the one that is struck the hardest.
+    refined: the smaller tolerance of the repetition, if there was one. fixed_step: whether steps do not follow from
+    the tolerance.
     """
     if tolerance is None:
         return []
@@ -135,15 +134,13 @@ def error_messages(
         message("W-error", f"{subject}: the estimated error is {100 * share:.2g} % of {whole}. {advice}")
         for subject, share, whole in _together(large)
     ]
-    beyond = beyond_ten_tolerances(numbers, errors, tolerance)
+    small = {key: share for key, share in _beyond(shares, tolerance).items() if key not in large}
     messages += [
         message(
             "N-tolerance",
             f"{subject}: the error may be up to {100 * share:.2g} % of {whole}, over ten tolerances.",
         )
-        for subject, share, whole in _together(
-            {key: share for key, share in beyond.items() if key not in large}
-        )
+        for subject, share, whole in _together(small)
     ]
     return messages
 
@@ -155,7 +152,10 @@ def beyond_ten_tolerances(
 
     It is relative to the reference value of each number, see `error_messages`.
     """
-    shares = _shares(numbers, errors, JUDGED)
+    return _beyond(_shares(numbers, errors, JUDGED), tolerance)
+
+
+def _beyond(shares: Mapping[Key, EstimatedError], tolerance: float) -> dict[Key, float]:
     return {key: share.most for key, share in shares.items() if share.most > MOST_TOLERANCES * tolerance}
 
 

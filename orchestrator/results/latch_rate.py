@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from components import KINETIC_ENERGY
-from components.contract.component import Vector
 
 from .result import Result
 from .signal import EVENT_WIDTH
@@ -37,14 +36,6 @@ def latch_energies(
     lines nearer the base as free. The energy is no more than all bodies have, as a line may vibrate.
     Lines of results without a record of J are left out.
     """
-    moving: Vector = sum(
-        (
-            result.signal(name, KINETIC_ENERGY.name)
-            for name in result.recording(KINETIC_ENERGY.name)
-            if name != "scene"
-        ),
-        np.zeros(result.time.size),
-    )
     found = {}
     for line in result.hinge_lines:
         if line.name not in rates:
@@ -53,10 +44,16 @@ def latch_energies(
         if line.name in impulses:
             found[line.name] = 0.5 * impulses[line.name] * rate
         elif line.inertia is not None:
-            most = float(moving[row_before(result, times[line.name])])
+            most = _kinetic_energy(result, row_before(result, times[line.name]))
             whole = 0.5 * line.inertia * rate**2
             found[line.name] = most if whole > _BEYOND * most else whole
     return found
+
+
+def _kinetic_energy(result: Result, row: int) -> float:
+    """Of all bodies in a row (J)."""
+    bodies = result.recording(KINETIC_ENERGY.name)
+    return sum(float(result.signal(name, KINETIC_ENERGY.name)[row]) for name in bodies)
 
 
 def row_before(result: Result, latched: float) -> int:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import floor, log10
 from typing import NamedTuple
 
+from .estimated_errors import POINT_PEAKS
 from .identifiers import load_words
 from .key_figures import Headline, Number, magnitude_of, max_of, min_of, round_off_floors, shown
 from .round_off import rounded_to_floor
@@ -138,8 +139,7 @@ def _vector(
 def _largest_of(found: Headline, has_lines: bool) -> set[str]:
     """Quantities of which the largest number is shown: torques of parts, and without hinge lines loads at points."""
     torques = {n.quantity for n in found.torque_numbers()}
-    points = {"attachment force peak", "attachment torque peak", "hinge force peak", "hinge torque peak"}
-    return torques if has_lines else torques | points
+    return torques if has_lines else torques.union(POINT_PEAKS)
 
 
 def _largest(quantity: str, numbers: Sequence[Number], floors: Mapping[str, float]) -> Iterator[ShortRow]:

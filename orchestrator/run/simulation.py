@@ -18,7 +18,7 @@ from ..cosim.ports import Order
 from ..cosim.settings import Settings
 from ..messages import coded, is_note, message
 from ..results.attitude import turned_over
-from ..results.earlier import SETTINGS, settings_text
+from ..results.earlier import SETTINGS, WAY_OUT, settings_text
 from ..results.earlier import refuse_to_lose as refuse_to_lose_result
 from ..results.result_file import refuse_to_replace, with_messages
 from ..scene import CheckedScene, read_scene
@@ -119,17 +119,20 @@ class Options:
 
     def asked(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
         """Settings of a run for its checkpoint, as JSON."""
-        names = {name: sorted(getattr(self, name)) for name in _NAMES}
-        options = {one.name: getattr(self, one.name) for one in fields(self)} | names
-        return {"file": scene.file, "tree": scene.tree, "options": options, "estimate": estimate}
+        return {"file": scene.file, "tree": scene.tree, "options": self._plain(), "estimate": estimate}
 
     def made_with(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
         """All settings that determine a result, apart from its scene, as JSON; processes do not change it."""
-        options = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "isolate"}
-        options |= {name: sorted(getattr(self, name)) for name in _NAMES}
+        options = self._plain()
+        del options["isolate"]
         options["until"] = self.until or scene.header.until
         options["tolerance"] = self.tolerance or scene.header.tolerance
         return {**options, "estimate": estimate, "files": digests(scene)}
+
+    def _plain(self) -> dict[str, object]:
+        """Every option by its name, as JSON."""
+        names = {name: sorted(getattr(self, name)) for name in _NAMES}
+        return {one.name: getattr(self, one.name) for one in fields(self)} | names
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +199,7 @@ def simulate(
     for sentence in _after(scene, options, assembly, outcome):
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
-    outcome = replace(outcome, result=with_messages(kept, [*dict.fromkeys(messages)]))
+    outcome = replace(outcome, result=with_messages(kept, messages))
     for sentence in outcome.headline.warnings:
         warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
@@ -290,7 +293,7 @@ def _refuse_spacing(what: str, seconds: float | None) -> None:
 
 
 def missing_backend(backend: Backend | None) -> str:
-    """What to tell where nothing was said of a back end and there is no native one; empty where there is."""
+    """Why PythonFMUs are used though no back end was chosen; empty if there is a native library."""
     if backend is not None or native_library() is not None:
         return ""
     return (
@@ -322,8 +325,7 @@ def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: 
     refuse_to_replace(path)
     if path.is_file() and checkpoint_file(path).is_file():
         raise RunError(
-            f"{path}: an interrupted run stands here. Go on with it by `fanfold resume {path}`, name another file "
-            "(--output), or allow its loss by --replace (replace=True)"
+            f"{path}: an interrupted run stands here. Go on with it by `fanfold resume {path}`, {WAY_OUT}"
         )
     refuse_to_lose_result(path, scene.tree, options.made_with(scene, estimate))
 
