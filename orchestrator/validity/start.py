@@ -33,8 +33,8 @@ _CLOSED = 1e-6
 """m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
 _TURNED = 0.2
 """rad; places are written to a few degrees, and loops close from there; tables may end as early."""
-_FLAT = 1e-3
-"""rad; how far from half a turn two panels are still folded onto each other."""
+_TURNED_BASE = 1e-3
+"""rad, from whole turns, by which a base starts turned."""
 _NO_RATE = 1e-9
 """m/s and rad/s, that laws leave which begin at rest, such as a cosine."""
 
@@ -200,7 +200,7 @@ def turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
     if scene.base.motion is None or not placed:
         return
     turn = scene.base.motion.laws[1].value(0.0)
-    if abs(remainder(turn, 2.0 * pi)) > _FLAT:
+    if abs(remainder(turn, 2.0 * pi)) > _TURNED_BASE:
         yield (
             f"base.motion: the base starts rotated by {degrees(turn):.4g} deg, but places of {', '.join(placed)} "
             "and axes of connections are in the world and do not rotate with it. Write them for the rotated base, "

@@ -20,8 +20,8 @@ from fmus import native_library
 from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member
 
-_TOLD = 3
-"""Problems of an archive that are told; there may be thousands."""
+_MOST_PROBLEMS = 3
+"""Problems of an archive that a sentence has; there may be thousands."""
 
 
 def library_of(unpacked: Path, model_identifier: str) -> Path:
@@ -36,7 +36,7 @@ def unpack(path: Path, folder: Path) -> list[Path]:
     is not one to unpack.
     """
     if problems := list(archive_problems(path, contents=False)):
-        raise ValueError("; ".join(problems[:_TOLD]))
+        raise ValueError("; ".join(problems[:_MOST_PROBLEMS]))
     compiled = native_library()
     if compiled is None:
         extract(str(path), unzipdir=str(folder))
