@@ -45,13 +45,13 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @large_deformation_option
 @backend_option
 @click.option(
-    "--tolerance", type=Number(min=1e-10, max=0.1), help=("Relative accuracy; by default that of the scene.")
+    "--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy; by default that of the scene."
 )
 @click.option(
     "--until",
     type=Seconds(min=0.0, min_open=True),
     metavar="SECONDS",
-    help=("End time, in seconds; by default that of the scene."),
+    help="End time, in seconds; by default that of the scene.",
 )
 @click.option(
     "-o", "--output", type=OutputFile(),
@@ -65,7 +65,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     "--step",
     type=Seconds(min=1e-7),
     metavar="SECONDS",
-    help=("Constant communication step size, in seconds; by default step-size control."),
+    help="Constant communication step size, in seconds; by default step-size control.",
 )
 @click.option(
     "--order", type=click.Choice(["auto", "2", "4"]), default="auto", show_default=True,
@@ -89,7 +89,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     "--verify",
     "with_verify",
     is_flag=True,
-    help=("Repeat with halved and quartered steps; print errors and orders."),
+    help="Repeat with halved and quartered steps; print errors and orders.",
 )
 @click.option(
     "--estimate/--no-estimate", "with_estimate", default=True, show_default=True,

@@ -54,7 +54,7 @@ _LEAST_ROOM = 20
     type=click.IntRange(min=1),
     default=100,
     show_default=True,
-    help=("Number of samples of random methods."),
+    help="Number of samples of random methods.",
 )
 @click.option(
     "--levels", type=click.IntRange(min=2), default=5, show_default=True, help="Levels of each key of a grid."

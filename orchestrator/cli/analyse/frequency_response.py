@@ -33,7 +33,7 @@ _FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
 @click.option(
     "--along",
     type=click.Choice(DIRECTIONS),
-    help=("Direction of the response; by default that of the excitation."),
+    help="Direction of the response; by default that of the excitation.",
 )
 @click.option(
     "--points", multiple=True, default=(INTERFACE,), show_default=True, callback=ordered_names, metavar="NAMES",

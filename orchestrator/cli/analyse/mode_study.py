@@ -68,7 +68,7 @@ def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, 
 @click.option(
     "--body",
     metavar="BODY",
-    help=("Body whose number of modes varies; required if several bodies are flexible."),
+    help="Body whose number of modes varies; required if several bodies are flexible.",
 )
 @click.option(
     "--modes", "counts", default="2,3,4,5,10,20,30", show_default=True, callback=_counts, metavar="N,N,...",
