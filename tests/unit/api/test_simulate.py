@@ -179,7 +179,7 @@ def test_a_data_frame_has_every_signal(latched, monkeypatch):
         latched.to_dataframe()
 
 
-@pytest.mark.filterwarnings("ignore:.*W-motor-short")  # as is told before the run, too
+@pytest.mark.filterwarnings("ignore:.*W-motor-short")  # the check before the run warns, too
 def test_what_is_not_as_it_should_be_is_a_warning():
     """Here friction exceeds the motor's torque; the warning points at the line that ran the scene."""
     stuck = fanfold.load(WING).with_settings(

@@ -290,7 +290,7 @@ def test_file_that_may_grow_no_further_keeps_its_rows(tmp_path, size_limit, room
 
 
 def test_a_run_whose_first_rows_have_no_room_does_not_begin(tmp_path, monkeypatch):
-    """Full disk: it is told before the first step, and an earlier result stays in every byte."""
+    """Full disk: an error before the first step, and an earlier result stays in every byte."""
     path = write(tmp_path / "run.h5")
     before = path.read_bytes()
 

@@ -14,7 +14,7 @@ from orchestrator.results.signal import EVENT_WIDTH
 from orchestrator.views.plots import draw_one
 
 TOLERANCE = 1e-5
-VOUCHED_FOR = 10.0 * TOLERANCE
+PROMISED_ERROR = 10.0 * TOLERANCE
 """What a run promises of its loads."""
 WIDE = 0.5
 AT = {"upper": (1.2, WIDE, 0.0), "lower": (1.2, -WIDE, 0.0)}  # m, hinges of the outer line on the inner plate
@@ -69,7 +69,7 @@ def test_loads_at_hinges_are_what_changes_the_momentum_of_the_outboard_plate(res
             taken = CubicSpline(time, load[rows]).integrate(time[0], time[-1])
             size = np.trapezoid(np.linalg.norm(load[rows], axis=1), time)
             assert size > 0.1
-            assert np.abs(taken - (momentum[-1] - momentum[0])).max() < VOUCHED_FOR * size
+            assert np.abs(taken - (momentum[-1] - momentum[0])).max() < PROMISED_ERROR * size
 
 
 def test_a_hinge_on_the_spacecraft_brings_the_opposite_of_its_port(result):
@@ -77,7 +77,7 @@ def test_a_hinge_on_the_spacecraft_brings_the_opposite_of_its_port(result):
     for name in ("root_upper", "root_lower"):
         port = result["base", f"{name}.interface_force"][:]
         gap = np.linalg.norm(result[name, "hinge_force"][:] + port, axis=1)
-        assert np.quantile(gap, 0.99) < VOUCHED_FOR * np.abs(port).max()
+        assert np.quantile(gap, 0.99) < PROMISED_ERROR * np.abs(port).max()
 
 
 def test_people_are_told(result):
@@ -90,7 +90,7 @@ def test_people_are_told(result):
             largest = np.linalg.norm(result[name, f"hinge_{load}"][:], axis=1).max()
             assert largest <= row.value < largest * (1.0 + 1e-4)
             assert row.unit == unit
-            assert row.error < 2.0 * VOUCHED_FOR * row.value  # one of them is warned of
+            assert row.error < 2.0 * PROMISED_ERROR * row.value  # one of them has a warning
     expected = set()
     for load, unit in (("force", "N"), ("torque", "N.m")):
         sizes = np.max([np.abs(result[name, f"hinge_{load}"][:]).max(0) for name in ENDS.values()], axis=0)

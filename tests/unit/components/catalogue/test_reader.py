@@ -295,7 +295,7 @@ def test_tubes_of_frames_follow_from_poissons_ratio():
 
 
 def test_skins_of_another_thickness_are_another_body(tmp_path, monkeypatch):
-    """The cache is keyed by content: what was told to stay at 18.48 Hz with twice the skin now follows.
+    """The cache is keyed by content: a panel that stayed at 18.48 Hz with twice the skin now follows.
 
     Closed form: bending stiffness is that of skins t at a distance d, t (d^2 / 4 + t^2 / 12); masses are as stated.
     """

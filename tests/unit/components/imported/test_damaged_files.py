@@ -12,6 +12,7 @@ from components.imported import opening
 from components.imported.matrices import to_matrices
 from components.imported.reading import read
 from components.imported.text.decks import read_deck
+from tests.references.archives import mark_encrypted
 from tests.references.imports.frame_model import bar_frame, frame_data, imported
 
 DATA = frame_data(bar_frame())
@@ -36,14 +37,8 @@ def array_bytes(header):
 
 
 def encrypted(path):
-    """The bit of the flags that says so, in both headers of every member."""
     files = stored(path)
-    content = bytearray(path.read_bytes())
-    for mark, place in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
-        start = -1
-        while (start := content.find(mark, start + 1)) >= 0:
-            content[start + place] |= 1
-    path.write_bytes(content)
+    mark_encrypted(path)
     return files
 
 

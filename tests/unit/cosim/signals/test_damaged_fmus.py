@@ -10,6 +10,7 @@ from fmus import archive, check_fmu
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.signals.process import SignalProcess
+from tests.references.archives import mark_encrypted
 from tests.unit.cosim.signals.signal_cases import controlled, slave
 from tests.unit.cosim.signals.test_what_is_joined import with_units
 
@@ -45,12 +46,7 @@ def flipped(path):
 
 
 def flagged(path):
-    content = bytearray(path.read_bytes())
-    for mark, place in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
-        start = -1
-        while (start := content.find(mark, start + 1)) >= 0:
-            content[start + place] |= 1
-    path.write_bytes(content)
+    mark_encrypted(path)
     return path
 
 
