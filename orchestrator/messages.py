@@ -80,8 +80,7 @@ CODES = {
     "W-turned-start": "joints turn a placed body at the start",
     "N-linear-plate": "a plate that the scene states to be linear bent by more than its thickness",
     "N-repeated": "the run was repeated with a smaller tolerance",
-    "N-repetition-costly": "a repetition with a smaller tolerance was too costly",
-    "N-repetition-failed": "a repetition with a smaller tolerance failed",
+    "N-repetition-failed": "a repetition with a smaller tolerance failed or took too many steps",
     "N-tolerance": "an estimated error exceeds ten tolerances",
 }
 """Meaning of every code, in one clause."""

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 from ..messages import is_note
 from ..results import key_figures
-from ..results.estimated_errors import ESTIMATED_ERRORS
 from ..results.key_figures import Headline
 from ..results.parts import Scalar
 from ..results.result import Result as Record
@@ -104,7 +103,7 @@ class Result(Record):
     @property
     def costs(self) -> dict[str, Scalar]:
         """Steps, iterations, wall time (s) and further costs of the run, by the names of `statistics`."""
-        return {name: value for name, value in self.statistics.items() if name != ESTIMATED_ERRORS}
+        return dict(self.statistics)
 
     @property
     def warnings(self) -> tuple[str, ...]:

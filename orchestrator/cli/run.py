@@ -97,7 +97,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 )  # fmt: skip
 @click.option(
     "--refine/--no-refine", "refine", default=True, show_default=True,
-    help="Repeat the run with a smaller tolerance if estimated errors exceed the tolerance.",
+    help="Repeat the run with a smaller tolerance if it is likely to miss ten tolerances.",
 )  # fmt: skip
 @click.option(
     "--record", type=Spacing(), default="all", show_default=True, metavar="all|SECONDS",

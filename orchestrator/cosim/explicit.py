@@ -104,7 +104,7 @@ class ExplicitMaster(CoSimulation):
                 self._engage(line)
 
     def _engage(self, line: HingeLine) -> None:
-        self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
+        self.recorder.event(self.time, line.sensor, line.latch_event)
         self._pending.remove(line)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
 

@@ -366,7 +366,7 @@ class Master(CoSimulation):
         elif self.settings.fixed_step is None:
             roughness = self._roughness()
         for one in lines:
-            self.recorder.event(self.time, one.sensor, f"{one.name} latch-up")
+            self.recorder.event(self.time, one.sensor, one.latch_event)
         size = min(self._engage(one) for one in lines)
         self.solver.forget()
         if line.kinematic:

@@ -52,7 +52,8 @@ def assert_same_bits(one, other):
     for component in a.components:
         for variable in a.variables(component):
             np.testing.assert_array_equal(a.signal(component, variable), b.signal(component, variable))
-    for name in ("estimated_errors", "steps", "iterations", "rejected_steps"):
+    assert a.estimated_errors == b.estimated_errors
+    for name in ("steps", "iterations", "rejected_steps"):
         assert a.statistics.get(name) == b.statistics.get(name)
 
 
