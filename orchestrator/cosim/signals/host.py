@@ -1,7 +1,7 @@
 """The process of an FMU that has signals: `python -m orchestrator.cosim.signals.host END`, the number of a pipe's end.
 
-It answers requests, a name and arguments, by (True, what was asked for, what the FMU warned of) or (False, (why not,
-whether a smaller step may do), what it warned of). Signals of the system are for the process that asks: this one ends
+It answers requests, a name and arguments, by (True, what was asked for, what the FMU warned of) or (False, why not,
+what it warned of). Signals of the system are for the process that asks: this one ends
 with it.
 """
 
@@ -28,7 +28,6 @@ from orchestrator.assembly.array_elements import element, length
 Value = float | int | bool | str
 _OK, _WARNING = 0, 1
 _DISCARD = 2
-"""Status of a step that may be tried again with a smaller size, and of no other."""
 _ENDS = "it asks for the end of the simulation"
 _FMI2_KINDS = {"Enumeration": "Integer"}
 _FMI3_KINDS = {"Enumeration": "Int64"}
@@ -43,7 +42,6 @@ class Host:
         self.warned: list[str] = []
         self._worst = _OK
         self._fmu: Any = None
-        self._kept: Any = None
 
     def open(
         self,
@@ -53,11 +51,10 @@ class Host:
         outputs: Sequence[str],
         values: Sequence[float],
         tolerance: float,
-        keeps: bool,
     ) -> list[float]:
         """Instantiate what is unpacked in a folder, initialise it at t = 0 with these inputs, and give its outputs.
 
-        tolerance: relative accuracy of the experiment. keeps: its state is kept, for steps that are tried.
+        tolerance: relative accuracy of the experiment.
         """
         description = read_model_description(folder, validate=False)
         self._fmi2 = description.fmiVersion.startswith("2.")
@@ -73,10 +70,7 @@ class Host:
         self._fmu.enterInitializationMode(**({} if self._fmi2 else {"tolerance": tolerance}))
         self._hand_over(values)
         self._fmu.exitInitializationMode()
-        given = self._given()
-        if keeps:
-            self.keep()
-        return given
+        return self._given()
 
     def sample(self, time: float, h: float, values: Sequence[float]) -> list[float]:
         """Step from a time (s) over h with the inputs of the end, and give the outputs."""
@@ -110,20 +104,6 @@ class Host:
             return bool(self._fmu.getBooleanStatus(fmi2Terminated))
         except Exception:
             return False
-
-    def tried(self, time: float, h: float, values: Sequence[float]) -> list[float]:
-        """The same from the state that was kept last."""
-        (self._fmu.setFMUstate if self._fmi2 else self._fmu.setFMUState)(self._kept)
-        return self.sample(time, h, values)
-
-    def keep(self) -> None:
-        """Keep the present state in place of the last one."""
-        last, self._kept = self._kept, (self._fmu.getFMUstate if self._fmi2 else self._fmu.getFMUState)()
-        self._forget(last)
-
-    def _forget(self, state: Any) -> None:  # noqa: ANN401 - of FMPy
-        if state is not None:
-            (self._fmu.freeFMUstate if self._fmi2 else self._fmu.freeFMUState)(state)
 
     def _log(self, *arguments: Any) -> None:  # noqa: ANN401 - FMI 2.0 and 3.0 differ
         status, _, text = arguments[-3:]
@@ -186,7 +166,6 @@ class Host:
     def close(self) -> None:
         """Terminate and free the instance."""
         if self._fmu is not None:
-            self._forget(self._kept)
             self._fmu.terminate()
             self._fmu.freeInstance()
 
@@ -202,8 +181,7 @@ def serve(connection: Connection) -> None:
         try:
             answer = True, getattr(host, name)(*arguments), list(host.warned)
         except Exception as error:
-            why = host.reason_of(error)
-            answer = False, (why, getattr(error, "status", None) == _DISCARD), list(host.warned)
+            answer = False, host.reason_of(error), list(host.warned)
         host.forget_messages()
         connection.send(answer)
 

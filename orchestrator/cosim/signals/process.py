@@ -33,10 +33,6 @@ def _step(time: float, h: float) -> str:
     return f"do a step of {h:g} s at t = {time:.6g} s"
 
 
-class DiscardedStepError(ParticipantError):
-    """An FMU could not make a step, and may make a smaller one from the state before."""
-
-
 class SignalProcess:
     """An FMU in its own process; a context manager. ParticipantError if it fails, crashes or hangs.
 
@@ -77,7 +73,6 @@ class SignalProcess:
             self.outputs,
             values,
             self._tolerance,
-            self.fmu.iterated,
         )
         return found
 
@@ -85,15 +80,6 @@ class SignalProcess:
         """The outputs after a step from a time (s) over h, with the inputs of its end."""
         found: list[float] = self._ask("sample", time + h, _step(time, h), time, h, values)
         return found
-
-    def tried(self, time: float, h: float, values: Sequence[float]) -> list[float]:
-        """The same from the state that was kept last, of this time, whatever was tried since."""
-        found: list[float] = self._ask("tried", time + h, _step(time, h), time, h, values)
-        return found
-
-    def keep(self, time: float) -> None:
-        """The state that it has come to, at a time (s), is the one to try from."""
-        self._ask("keep", time, f"save its state at t = {time:.6g} s")
 
     def warned(self) -> Iterator[str]:
         """Sentences on what it warned of."""
@@ -127,9 +113,7 @@ class SignalProcess:
         for text in warned[: _MOST_WARNINGS - len(self._warnings)]:
             self._warnings.setdefault(" ".join(text.split()), time)
         if not answered:
-            why, discarded = what
-            sentence = f"{self.fmu.name}: cannot {action}: {why}"
-            raise DiscardedStepError(sentence) if discarded else ParticipantError(sentence)
+            raise ParticipantError(f"{self.fmu.name}: cannot {action}: {what}")
         return what
 
     def _end(self) -> str:
