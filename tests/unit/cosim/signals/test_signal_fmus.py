@@ -206,7 +206,7 @@ def test_files_that_are_no_such_fmus(tmp_path):
         scene.fmu("controller", tmp_path / "gone.fmu", step=STEP, inputs=inputs)
     with pytest.raises(fanfold.FanfoldError, match="joins"):
         scene.fmu("controller", text, step=STEP)
-    with pytest.raises(fanfold.FanfoldError, match="fmu.controller.iterated: .*remove"):
+    with pytest.raises(fanfold.FanfoldError, match=r"fmu\.controller\.iterated: .*remove"):
         scene.fmu("controller", text, step=STEP, inputs=inputs, iterated=True)
     scene.fmu("controller", text, step=STEP, inputs=inputs)
     with pytest.raises(fanfold.FanfoldError, match=r"fmu.controller.file: "):
