@@ -215,8 +215,8 @@ def test_files_that_are_no_such_fmus(tmp_path):
 
 FAULTS = {
     "raise ValueError('the gyroscope is blind')": "ValueError('the gyroscope is blind')",
-    "os.abort()": "SIGABRT, so the FMU crashed",
-    "os._exit(3)": "ended with code 3",
+    "os.abort()": "SIGABRT",
+    "os._exit(3)": "exit code 3",
     "self.torque = float('nan')": "its output torque is nan",
 }
 
