@@ -170,7 +170,7 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class SignalFmu:
-    """An FMU that reads signals of parts and sets parameters of them, every `step` (s), or iterated with every step.
+    """An FMU that reads signals of parts and sets parameters of them, every `step` (s).
 
     start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives. told:
     variables that it gives for the record alone. is_wing: it is a scene as one FMU whose base its inputs drive.
@@ -183,7 +183,6 @@ class SignalFmu:
     inputs: tuple[Signal, ...]
     outputs: tuple[Signal, ...]
     told: tuple[Signal, ...] = ()
-    iterated: bool = False
     is_wing: bool = False
 
 

@@ -104,7 +104,6 @@ class _Reader:
                 for s in self._output(name, target)
             ),
             tuple(s for name in table.outputs if not table.targets(name) for s in self._told(name)),
-            table.iterated and self._can_iterate(),
             bool(table.inputs) and MEETS_RATES in self._variables,
         )
 
@@ -124,24 +123,6 @@ class _Reader:
                 else f"is missing, and the FMU says none of {SMALLEST_STEP:g} s or more itself; give one",
             )
         return step
-
-    def _can_iterate(self) -> bool:
-        """Whether steps can be repeated; what it lacks is noted."""
-        able, kind = self._description.coSimulation, Path(self._table.file).name
-        saves = getattr(able, "canGetAndSetFMUstate", False) or getattr(able, "canGetAndSetFMUState", False)
-        if not saves:
-            self._note(
-                "iterated", f"{kind} cannot save its state, so a step cannot be repeated; leave it out"
-            )
-        if not able.canHandleVariableCommunicationStepSize:
-            self._note(
-                "iterated", f"{kind} takes steps of one size only, not those of the scene; leave it out"
-            )
-        if not any(self._table.targets(name) for name in self._table.outputs):
-            self._note(
-                "iterated", "no output sets a load, so there is nothing to repeat a step for; leave it out"
-            )
-        return True
 
     def _is_start(self, name: str, value: Any) -> bool:  # noqa: ANN401 - of any type
         try:
@@ -221,8 +202,6 @@ class _Reader:
                 component, kind = self._known(part).component(), self._parts[part].kind
                 known = {q.name: q for q in component.parameter_layout.quantities}
                 tunable(rest.partition("[")[0], component, kind)
-                if self._table.iterated and kind != "load":
-                    raise ValueError(f"sets a {kind}; what is iterated sets loads only")
                 quantity, index = scalar(rest, known, kind)
                 impulse = self._is_impulse(variable, quantity.unit)
                 unit = _IMPULSES[quantity.unit] if impulse else quantity.unit

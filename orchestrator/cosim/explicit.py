@@ -68,10 +68,6 @@ class ExplicitMaster(CoSimulation):
         fixed = [p.name for p in self.network.participants if not p.can_restore]
         if preload and fixed:
             raise StepError(f"static preload needs FMUs that can return to a saved state; {fixed[0]} cannot")
-        if self._signals.iterates:
-            raise StepError(
-                "an explicit master makes every step once and cannot iterate FMUs; leave `iterated` out"
-            )
         super().initialize(preload=preload)
         self._exchange()
 

@@ -260,17 +260,6 @@ def _run(
     with ExitStack() as stack:
         try:
             participants = stack.enter_context(load(assembly))
-            exposed = ", ".join(
-                p.name for p in participants if isinstance(p, FmuParticipant) and p.lacks_isolation
-            )
-            if exposed:
-                warn(
-                    message(
-                        "W-backend",
-                        f"{assembly.name}: {exposed} runs in the process of this run, and a crash ends both. "
-                        "Install Fanfold with a C compiler to isolate FMUs.",
-                    )
-                )
             fixed = ", ".join(p.name for p in participants if not p.can_restore)
             if fixed and master == "implicit":
                 master = "gauss-seidel"

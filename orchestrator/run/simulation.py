@@ -177,8 +177,6 @@ def simulate(
             warn(sentence)
 
     assembly = options.assemble(scene)
-    if options.step is not None:
-        _refuse_wings(assembly)
     for sentence in (*_missing_parts(options), *_before(scene, options, assembly)):
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
@@ -284,16 +282,6 @@ def missing_backend(backend: Backend | None) -> str:
         "no native library was built at installation, so slower PythonFMUs are used. Install Fanfold again with a "
         "C compiler."
     )
-
-
-def _refuse_wings(assembly: Assembly) -> None:
-    """RunError where the loads of a wing as one FMU could grow from step to step, as no error makes steps smaller."""
-    names = [fmu.name for fmu in assembly.signal_fmus if fmu.iterated and fmu.is_wing]
-    if names:
-        raise RunError(
-            f"{assembly.name}: an iterated wing ({', '.join(names)}) needs step-size control, because loads may "
-            "diverge at a constant step. Leave out the step; set a largest step in the table of the wing."
-        )
 
 
 def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:

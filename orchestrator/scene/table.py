@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from typing import Annotated, Self
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Annotated, ClassVar, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, model_validator
 
@@ -149,6 +150,8 @@ class Table(BaseModel):
     """A table of the file: frozen, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+    removed: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Keys of former versions, with what to do instead."""
 
 
 class Seat(Table):

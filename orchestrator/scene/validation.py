@@ -189,7 +189,9 @@ def _sentence(error: ErrorDetails, model: type[Table]) -> str:
     if kind == "missing":
         return _MISSING
     if kind == "extra_forbidden":
-        return unknown(str(error["loc"][-1]), keys_of(model, error["loc"][:-1]))
+        key, *within = reversed(error["loc"])
+        removed = None if within else model.removed.get(str(key))
+        return removed or unknown(str(key), keys_of(model, error["loc"][:-1]))
     if kind == "value_error":
         return str(context["error"])
     if kind == "model_type":

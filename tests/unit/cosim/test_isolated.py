@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import zipfile
-from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from time import monotonic, sleep
@@ -13,14 +12,14 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 
+from fmus import native_library
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.isolation import process
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import RunError, as_fmus, export, run
 from tests.benchmark.faults.fmus import SCENE, UNTIL, Broken, answer, loader, wing
 
-pytestmark = pytest.mark.skipif(process.library() is None, reason="nothing was compiled here")
+pytestmark = pytest.mark.skipif(native_library() is None, reason="nothing was compiled here")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
 
 
@@ -83,10 +82,8 @@ def test_isolated_run_is_the_same():
             np.testing.assert_array_equal(here.signal(component, name), apart.signal(component, name))
 
 
-def test_states_go_piece_by_piece(folder, monkeypatch):
-    """A state with more bytes than the shared memory has room for returns as it was, and steps on as it did."""
-    monkeypatch.setattr(process, "_ROOM", 1024)
-    monkeypatch.setattr(process, "_ROOM_PER_NUMBER", 0)
+def test_states_as_bytes(folder):
+    """A state returns as it was, and steps on as it did."""
     path = next(path for path in export(wing(), folder / "sound") if path.stem == "root")
     here, apart = (FmuParticipant("root", path, isolate=isolate) for isolate in (False, True))
     states = []
@@ -120,23 +117,6 @@ def test_interruption_while_an_fmu_hangs(folder):
     signal.signal(signal.SIGALRM, handler)
     assert monotonic() - begin < 30.0
     assert caught.value.result.time.size > 5
-
-
-def test_without_a_compiled_library(folder, monkeypatch):
-    """An FMU from elsewhere then runs here, which is told; who asks for a process is refused."""
-    _, other = of_others(folder)
-    monkeypatch.setattr("orchestrator.cosim.fmu.isolation_library", lambda: None)
-    monkeypatch.setattr(process, "library", lambda: None)
-    one = FmuParticipant("inner", other)
-    warnings = []
-    with pytest.raises(RunError, match="middle_left"):  # nothing else is there
-        run(wing(), None, Settings(), warn=warnings.append, load=lambda _: nullcontext([one]))
-    one.close()
-    assert len(warnings) == 1
-    assert "inner" in warnings[0]
-    assert "[W-backend]" in warnings[0]
-    with pytest.raises(ParticipantError, match="process"):
-        FmuParticipant("inner", other, isolate=True)
 
 
 def children(parent):
