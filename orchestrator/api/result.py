@@ -93,7 +93,7 @@ class Result(Record):
     @cached_property
     def headline(self) -> Headline:
         """Headline numbers: latch times, peaks, energies, with estimated errors."""
-        return key_figures.headline(self)
+        return key_figures.headline(self) if self.simulation is None else self.simulation.outcome.headline
 
     @property
     def latch_times(self) -> dict[str, float]:

@@ -32,8 +32,9 @@ UNTIL = 2.4
 def finished(tmp_path_factory):
     """A run without estimates, and runs at ten times, a tenth and a hundredth of its tolerance."""
     path, assembly = tmp_path_factory.mktemp("finished") / "run.h5", smooth_scene()
-    others = {t: run(assembly, None, replace(ASKED, tolerance=t), UNTIL) for t in (1e-2, 1e-4, 1e-5)}
-    return {1e-3: run(assembly, path, ASKED, UNTIL), **others}
+    finer = {t: run(assembly, None, replace(ASKED, tolerance=t), UNTIL) for t in (1e-4, 1e-5)}
+    coarser = run(assembly, None, error_estimate._coarser(ASKED, 4), UNTIL)
+    return {1e-2: coarser, 1e-3: run(assembly, path, ASKED, UNTIL), **finer}
 
 
 @pytest.fixture
