@@ -1,7 +1,5 @@
 """Error over step size of one flexible panel on a latch spring or a lock, at orders 2 and 4, over joint stiffness.
 
-    python -m tests.benchmark.order.panel
-
 The workbench panel with 16 modes on two hinges, as native FMUs. It latches at its rate and goes on in steps of
 `SETTLING`, at the order under test, until what the latch stirs up in the highest modes has died; from there the step
 is H. What is compared are mean wrenches, the unknowns of the coupling, over the longest H, which all runs have in
@@ -17,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import product
 from types import SimpleNamespace
 from typing import Literal
 
@@ -34,7 +31,6 @@ from tests.references.record import Record
 
 Holds = Literal["spring", "lock"]
 
-JOINTS = (1e3, 1e5, 2e6, 1e8, 1e10)
 STEPS = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
 """H (s)."""
 FINEST, SETTLING, SETTLED, WINDOW = 2.5e-5, 1e-4, 0.1, 0.2
@@ -117,32 +113,3 @@ def means(found: Followed) -> np.ndarray:
     points = found.record.events[0][0] + SETTLED + STEPS[0] * np.arange(round(WINDOW / STEPS[0]))
     result: np.ndarray = found.means(points)[:, _LEFT][:, _ROWS]
     return result
-
-
-def errors(joint: float, holds: Holds, order: Order, steps: Sequence[float] = STEPS) -> np.ndarray:
-    """Largest relative rms error of the loads at each step, (steps,)."""
-    exact = means(run(joint, holds, FINEST, order))
-    size = np.sqrt(np.mean(exact**2, axis=0))
-    lost = [np.sqrt(np.mean((means(run(joint, holds, h, order)) - exact) ** 2, axis=0)) for h in steps]
-    found: np.ndarray = np.max(lost / size, axis=1)
-    return found
-
-
-def main() -> None:
-    """Print the table."""
-    print(
-        f"{'held by':>8} {'joint N/m':>10} {'order':>6}" + "".join(f"{f'{1e3 * h:g} ms':>10}" for h in STEPS)
-    )
-    for holds, joint in product(("spring", "lock"), JOINTS):
-        for order in (2, 4):
-            found = errors(joint, holds, order)
-            print(
-                f"{holds:>8} {joint:10.0e} {order:6}" + "".join(f"{error:10.1e}" for error in found), end="  "
-            )
-            print(
-                "slopes " + " ".join(f"{slope:.1f}" for slope in np.log2(found[:-1] / found[1:])), flush=True
-            )
-
-
-if __name__ == "__main__":
-    main()
