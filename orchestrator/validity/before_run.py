@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from ..assembly import Assembly
 from ..assembly.hinges import unfollowed_curves
 from ..messages import coded, message
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from .bodies import body_warnings, unlike_rigid_models
 from .cable_loops import loop_warnings
 from .idle_parts import idle_part_warnings

@@ -12,7 +12,7 @@ from components.flexible.plate import Panel, Plate
 from ..messages import coded
 from ..scene.bodies import body_definition, body_model
 from ..scene.body_tables import Body, Inertial
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 
 _UNLIKE = 0.1
 """Of its mass that a rigid twin may differ by: hardware that finite elements leave out."""

@@ -11,7 +11,7 @@ from components.contract.frames import Vector3, cross, dot, norm
 from ..messages import coded
 from ..scene.connection_tables import Ccl
 from ..scene.loops.coupled_lines import body_between
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 
 _STIFFEST = 1e8
 """N/m, of five square centimetres of steel along a metre."""

@@ -8,7 +8,7 @@ from components.hold_down import HoldDown
 
 from ..messages import coded
 from ..scene.component_connections import first_number
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 
 
 def idle_part_warnings(scene: CheckedScene) -> Iterator[str]:

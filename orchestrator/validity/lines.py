@@ -14,11 +14,10 @@ from components.numerics.laws import Linear
 
 from ..assembly.hinges import contradicted_curves
 from ..messages import coded
-from ..scene.bodies import scene_points
 from ..scene.connection_tables import Connection
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.loops.coupled_lines import CoupledLines, coupled_lines
-from ..scene.schema import CheckedScene
+from ..scene.loops.coupled_lines import CoupledLines
+from ..scene.placed_scene import CheckedScene
 from .bodies import panel_of
 
 _ANGLES = 181
@@ -119,7 +118,7 @@ def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
 
 def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
     """Lines, coupled lines together, whose friction and harness exceed the motor torque at some angle."""
-    groups = [group for group in coupled_lines(scene) if not group.drives]
+    groups = [group for group in scene.coupled_lines if not group.drives]
     motors = [line.name for line in scene.hinge_lines if line.motor is not None and not line.held]
     for name in motors:
         if any(name in group.rates for group in groups):
@@ -240,7 +239,7 @@ def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
 
 def _through_one_another(scene: CheckedScene) -> Iterator[str]:
     """Folded panels that open through each other."""
-    points, panels = scene_points(scene), {body.name for body in scene.bodies if panel_of(body) is not None}
+    points, panels = scene.points, {body.name for body in scene.bodies if panel_of(body) is not None}
     for line in scene.hinge_lines:
         folded = abs(line.aligned_angle - line.initial_angle - pi) < _FLAT
         if line.held or not folded or not {line.inboard, line.outboard} <= panels:

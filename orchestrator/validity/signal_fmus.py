@@ -8,7 +8,7 @@ from pathlib import Path
 from ..assembly import Assembly, Event, HingeLine, SignalFmu
 from ..assembly.signal_fmus import MEETS_RATES
 from ..messages import coded
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.signal_tables import Fmu
 
 _MOST_STEPS = 1e6

@@ -16,14 +16,10 @@ from components.rail import Rail
 from ..assembly.driving import load_laws
 from ..assembly.locked_at_start import bolts_across
 from ..messages import coded
-from ..scene.bodies import scene_points
-from ..scene.component_connections import first_number, seated
+from ..scene.component_connections import first_number
 from ..scene.connection_tables import Connection
-from ..scene.locked_groups import joined
-from ..scene.loops.freedoms import singular_start_warnings
-from ..scene.loops.initial_assembly import closed, left_open, start_poses
-from ..scene.loops.rates import start_rates
-from ..scene.schema import CheckedScene
+from ..scene.freedoms import singular_start_warnings
+from ..scene.placed_scene import CheckedScene
 
 _DEEP = 1e-3
 """m, by which a rail starts pressed or pulled off its plane."""
@@ -57,7 +53,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
 
 def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
     """Loops and hold-downs whose preload acts suddenly at the start."""
-    roots = joined(scene)
+    roots = scene.rigid_groups
     for loop in scene.loops:
         if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
             yield f"ccl.{loop.name}: {_blow(loop.preload)}"
@@ -135,11 +131,8 @@ def _wound_drives(scene: CheckedScene) -> Iterator[str]:
 
 def _started(scene: CheckedScene, kind: str) -> Iterator[tuple[Connection, Instance]]:
     """Connections of a kind, and their components where they start."""
-    found = [one for one in scene.connections if one.kind == kind]
-    points = scene_points(scene) if found else {}
-    poses = start_poses(scene, points) if found else {}
-    for one in found:
-        started = seated(one, points, poses)
+    for one in (one for one in scene.connections if one.kind == kind):
+        started = scene.seated(one)
         started.initialize()
         yield one, started
 
@@ -159,7 +152,7 @@ def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
 
 def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
     """Joints of loops that the start angles leave open."""
-    for name, size in left_open(scene, scene_points(scene)).items():
+    for name, size in scene.left_open.items():
         if size > _CLOSED:
             yield (
                 f"connection.{name}: the start angles of its hinge lines leave it open by {1e3 * size:.4g} mm (or "
@@ -171,7 +164,7 @@ def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
 def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
     """Placed bodies that joints rotate far from their placed attitude."""
     bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
-    for name, angle in closed(scene, scene_points(scene)).turned.items() if bare else ():
+    for name, angle in scene.closed.turned.items() if bare else ():
         if angle > _TURNED:
             joints = ", ".join(one.name for one in bare if name in {seat.body for seat in one.ports.values()})
             advice = f"give {joints} axes (in the world), or " if joints else ""
@@ -185,9 +178,7 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
     """Motion laws with an initial rate in a start from static equilibrium."""
     if not scene.header.preload:
         return
-    points = scene_points(scene)
-    rates = start_rates(scene, points, start_poses(scene, points))
-    if names := ", ".join(name for name, rate in rates.items() if np.abs(rate).max() > _NO_RATE):
+    if names := ", ".join(name for name, rate in scene.rates.items() if np.abs(rate).max() > _NO_RATE):
         yield (
             f"scene.preload: motion laws move {names} with a rate at t = 0, but the run starts from static "
             "equilibrium, which is a sudden load. Let the laws start at rest, or remove preload."

@@ -27,7 +27,7 @@ from orchestrator.cosim.participant import Participant
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene
-from orchestrator.scene.bodies import StartPose, attachments, body_model
+from orchestrator.scene.bodies import StartPose
 from orchestrator.scene.locked_groups import joined_model, pieces
 from tests.benchmark.models.one_panel import crest, line_torque
 from tests.references.record import Record
@@ -153,8 +153,7 @@ def _merged(run: Started, momentum: np.ndarray) -> Assembly:
     friction = next(p.start["stiction_velocity"] for p in run.assembly.parts if p.name == left)
     update = {"stiction_velocity": friction, "flexible_stiction_factor": 1.0}
     found = assemble(replace(scene, friction=scene.friction.model_copy(update=update)))
-    ports = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
-    models = {body.name: body_model(body, flexible=False) for body in scene.bodies}
+    models = scene.rigid_models
     poses = {scene.base.name: StartPose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))}
     for line in scene.hinge_lines:
         hinge = line.hinges[0]
@@ -164,7 +163,7 @@ def _merged(run: Started, momentum: np.ndarray) -> Assembly:
         poses[line.outboard] = _pose(
             run.master.network.by_name[line.outboard], hinge.name, points[hinge.outboard]
         )
-    piece = pieces(scene, ports, poses)[PIECE]
+    piece = pieces(scene, scene.attachments, poses)[PIECE]
     model = joined_model(piece, models)
     sites = [
         {"name": s.name, "point": s.point, "offset": s.offset, "orientation": s.orientation}

@@ -15,7 +15,6 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.participant import Participant
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene, read_scene
-from orchestrator.scene.bodies import scene_points
 from tests.benchmark.ablations.rows import Row
 
 UNTIL = 14.0
@@ -45,7 +44,7 @@ def one_panel() -> Assembly:
     """The outer panel alone, its line on a base that has the points of panel 4."""
     scene = load_scene(find_scene("arabsat"), ["phase1"])
     line = next(line for line in scene.tree["hinge_line"] if line["name"] == "HL6")
-    points = scene_points(scene)[line["inboard"]]
+    points = scene.points[line["inboard"]]
     names = {hinge["inboard"] for hinge in line["hinges"]}
     tree = {
         "scene": {**scene.tree["scene"], "phases": []},
