@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from ..analysis.torque_margin.standard import FactorKind
     from ..analysis.torque_margin.sweep import FrictionKind
     from ..assembly.statics.configuration import Configuration, Named
+    from ..scene.freedoms import Constraints
     from ..scene.hinge_line_tables import HingeLine
-    from ..scene.loops.freedoms import Constraints
 
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
@@ -60,7 +60,7 @@ def constraints(scene: SceneLike) -> Constraints:
     Constraints
         number of constraints, rank, redundant constraints, free motions
     """
-    from ..scene.loops.freedoms import find_constraints
+    from ..scene.freedoms import find_constraints
 
     return find_constraints(as_scene(scene).check_one_run())
 

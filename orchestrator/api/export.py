@@ -21,7 +21,7 @@ from ..run.system_structure import check_ssp, write_ssp
 from ..scene.builder import Names, listed
 from ..scene.component_connections import WrenchMode
 from ..scene.layers import files_besides
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from .simulate import SceneLike, as_scene
 from .warnings import warn

@@ -14,11 +14,11 @@ from components.contract.component import ComponentError, Vector
 from components.flexible.modal import ModalData, rigid_motion
 from components.load import Load
 
-from ..scene.bodies import attachments, body_definition, body_model, motions
+from ..scene.bodies import attachments, body_definition, body_model
 from ..scene.body_tables import Body
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.coupled_lines import strands
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Part
 from .driving import load_laws
@@ -171,7 +171,7 @@ def _weight(scene: CheckedScene, body: Body, own: Sequence[HingeLine]) -> float:
         gravity = np.cross(gravity, axis / np.linalg.norm(axis))
     across = float(np.linalg.norm(gravity))
     times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
-    shifts = [shift for shift, _ in (motion.laws for motion in motions(scene).values())]
+    shifts = [shift for shift, _ in (motion.laws for motion in scene.motions.values())]
     across += max((abs(shift.acceleration(time)) for shift in shifts for time in times), default=0.0)
     if not across:
         return 0.0
@@ -180,7 +180,7 @@ def _weight(scene: CheckedScene, body: Body, own: Sequence[HingeLine]) -> float:
         for other in scene.bodies
         if not own or any(line.name == own[0].name for line in scene.lines_inward(other.name))
     ]
-    return across * sum(body_model(other, flexible=False).mass for other in carried)
+    return across * sum(scene.rigid_models[other.name].mass for other in carried)
 
 
 def _loads(scene: CheckedScene) -> float:
@@ -217,5 +217,5 @@ def second_order_modes(part: Part) -> int:
 def fastest_turn(scene: CheckedScene, until: float | None = None) -> float:
     """Largest rate (rad/s) of turns that motions of the scene follow, up to a time (s), by default its end."""
     times = np.linspace(0.0, scene.header.until if until is None else until, _SAMPLES).tolist()
-    turns = [turn for _, turn in (motion.laws for motion in motions(scene).values())]
+    turns = [turn for _, turn in (motion.laws for motion in scene.motions.values())]
     return max((abs(turn.rate(time)) for turn in turns for time in times), default=0.0)

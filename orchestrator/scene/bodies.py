@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -29,7 +28,7 @@ from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import HingeLine
 from .layers import merged
-from .schema import CheckedScene
+from .schema import SceneTables
 from .table import Seat
 from .units import Sign, written
 
@@ -161,13 +160,12 @@ def forget_models() -> None:
 
 def body_points(body: Body) -> Mapping[str, Vector3]:
     """Undeformed positions of a body's points (m) in its construction frame."""
-    data = body_model(body, flexible=False)
+    return point_positions(body_model(body, flexible=False))
+
+
+def point_positions(data: ModalData) -> Mapping[str, Vector3]:
+    """Positions (m) of the points of a model by name."""
     return dict(zip(data.point_names, map(tuple, data.point_positions.tolist()), strict=True))
-
-
-def scene_points(scene: CheckedScene) -> dict[str, Mapping[str, Vector3]]:
-    """Points of every body, base included, by body name."""
-    return {scene.base.name: scene.base.points} | {body.name: body_points(body) for body in scene.bodies}
 
 
 def attachments(
@@ -215,12 +213,6 @@ def moved(pose: StartPose, motion: Motion, shift: float, turn: float) -> StartPo
     return StartPose(subtract(pivot, rotate(orientation, motion.pivot)), orientation)
 
 
-def motions(scene: CheckedScene) -> dict[str, Motion]:
-    """Prescribed motions by the name of the base or body that follows them."""
-    found = {scene.base.name: scene.base.motion, **{body.name: body.motion for body in scene.bodies}}
-    return {name: motion for name, motion in found.items() if motion is not None}
-
-
 def _started(pose: StartPose, motion: Motion | None) -> StartPose:
     """Where the laws of a motion begin."""
     if motion is None:
@@ -229,7 +221,7 @@ def _started(pose: StartPose, motion: Motion | None) -> StartPose:
     return moved(pose, motion, shift, turn)
 
 
-def written_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
+def written_poses(scene: SceneTables, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
     """Poses along the tree of hinge lines from the base, whose frame is the world's, then of placed bodies as written.
 
     What follows a motion is where that begins. All frames are parallel where every hinge angle is its aligned angle.
@@ -252,12 +244,3 @@ def written_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3
             written = StartPose(add(origin, body.place.offset), body.place.orientation.quaternion)
             poses[body.name] = _started(written, body.motion)
     return poses
-
-
-def with_angles(scene: CheckedScene, angles: Mapping[str, float]) -> CheckedScene:
-    """The scene with other start angles."""
-    lines = tuple(
-        line.model_copy(update={"start_angle": angles.get(line.name, line.start_angle)})
-        for line in scene.hinge_lines
-    )
-    return replace(scene, hinge_lines=lines)

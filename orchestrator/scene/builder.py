@@ -18,9 +18,10 @@ from .damping import StructuralDamping
 from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, plugin_files, read_layers, with_absolute_files
+from .placed_scene import CheckedScene
 from .plugins.trust import trust_programs
 from .reader import check_layers, find_scene, variant_problems
-from .schema import CheckedScene, Header
+from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
 from .validation import EntryReader

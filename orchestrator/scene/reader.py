@@ -15,19 +15,20 @@ from components.end_stop import OF_HINGE
 
 from . import consistency
 from .arrays import Array, expanded
-from .bodies import attachments, body_points, scene_points
+from .bodies import attachments, body_points
 from .body_tables import Base, Body
-from .component_connections import buried_contacts, connection_problems
+from .component_connections import connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .joint_presets import with_presets
 from .layers import Layers, Setting, Tree, data_files, plugin_files, read_layers, resolved
-from .loops.initial_assembly import closed, open_loops
+from .loops.initial_assembly import open_loops
+from .placed_scene import CheckedScene
 from .plugins import loading
 from .plugins.trials import plugin_problems
-from .schema import CheckedScene, Header
+from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
 from .validation import Entries, EntryReader
@@ -213,15 +214,13 @@ def _checked(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound, events.sound, fmus.sound,
     )  # fmt: skip
-    points = scene_points(scene)
     joints = tuple(c for c in connections.sound if c.name not in refused)
-    found = closed(replace(scene, connections=joints), points)
-    poses = found.poses
+    sound = replace(scene, connections=joints) if refused else scene
     reader.note(consistency.carried_along(scene))
-    reader.note(consistency.impossible_loops(scene, points, poses))
-    if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
-        reader.note(buried_contacts(scene, points, poses, refused))
-        reader.note(plugin_problems(scene, points, poses, refused))
+    reader.note(consistency.impossible_loops(sound))
+    if not reader.note([*consistency.open_hinges(sound), *open_loops(sound.closed)]):
+        reader.note(consistency.buried_contacts(sound))
+        reader.note(plugin_problems(sound))
     return None if reader.problems else scene, _told(reader.problems, unlike)
 
 

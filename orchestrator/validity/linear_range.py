@@ -112,7 +112,7 @@ def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Ite
         bend = None if panel is None else _largest_bend(assembly, part, panel, result)
         if panel is None or bend is None:
             continue
-        thickness = float(np.sqrt(12.0 * panel.plate.bending[0] / panel.plate.membrane[0]))
+        thickness = panel.plate.equivalent_thickness
         if bend.deflection <= _THICKNESSES * thickness:
             continue
         states_linear = "geometry" in (bodies[part.name].panel or {})

@@ -28,9 +28,7 @@ from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
 from ...run.run import Loader, RunError, kept_fmus
 from ...scene import CheckedScene
-from ...scene.bodies import scene_points
 from ...scene.hinge_line_tables import HingeLine
-from ...scene.loops.initial_assembly import closed, left_open
 from ...scene.table import SceneError
 from ...scene.units import degrees_text
 from .rules import GroupTorques, LineTorques
@@ -129,8 +127,8 @@ def sweep(
 
 def _refuse_torn(scene: CheckedScene, share: float) -> None:
     """SceneError where a loop of lines does not close with those that open at a share of their travel."""
-    there, points = at_share(scene, share), scene_points(scene)
-    found = left_open(there, points) | closed(there, points).open_by
+    there = at_share(scene, share)
+    found = {**there.left_open, **there.closed.open_by}
     name, size = max(found.items(), key=lambda item: item[1], default=("", 0.0))
     if size > _TORN:
         sweeps = " ".join(

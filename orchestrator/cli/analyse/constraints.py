@@ -13,7 +13,7 @@ import orchestrator as fanfold
 from ..options import SceneChoice, layered_scene
 
 if TYPE_CHECKING:
-    from ...scene.loops.freedoms import Constraints
+    from ...scene.freedoms import Constraints
 
 
 def _number(value: float | None) -> str:

@@ -10,9 +10,8 @@ import orchestrator as fanfold
 from components import catalogue
 from components.contract.frames import rotate
 from orchestrator.scene import SceneError
-from orchestrator.scene.bodies import body_definition, body_model, scene_points
+from orchestrator.scene.bodies import body_definition, body_model
 from orchestrator.scene.body_tables import Body
-from orchestrator.scene.loops.initial_assembly import start_poses
 
 PANEL = {
     "length": "1.1 m",
@@ -225,7 +224,7 @@ def test_hinge_lines_off_the_mid_plane_give_a_stowed_stack_its_thickness():
         )
     for angle, apart in ((0.0, 0.03), (np.pi, 0.0)):
         found = scene.with_settings({"hinge_line.HL2.start_angle": f"{np.degrees(angle)} deg"}).check()
-        poses = start_poses(found, scene_points(found))
+        poses = found.poses
         one, other = (poses[name] for name in bodies)
         normal = rotate(one.orientation, (0.0, 0.0, 1.0))
         assert abs(np.dot(np.subtract(other.position, one.position), normal)) == pytest.approx(

@@ -18,12 +18,12 @@ from scipy.linalg import qr
 
 from components.contract.frames import rotate, subtract
 
-from ...messages import message
-from ...records import short_repr
-from ..bodies import StartPose, motions, scene_points, written_poses
-from ..schema import CheckedScene
-from .constraints import Constraint, Matrix, constraints, hinge_constraints
-from .initial_assembly import Weight, close, displaced, jacobian, start_poses
+from ..messages import message
+from ..records import short_repr
+from .bodies import StartPose
+from .loops.constraints import Constraint, Matrix, hinge_constraints
+from .loops.initial_assembly import Weight, close, displaced, jacobian
+from .placed_scene import CheckedScene
 
 _RANK = 1e-5
 _AWAY = 0.01
@@ -95,7 +95,8 @@ def singular_start_warnings(scene: CheckedScene) -> Iterator[str]:
     """A sentence where joints close loops and the scene starts in a singular position."""
     if not any(connection.preset is not None for connection in scene.connections):
         return
-    every, poses, moving = _joints(scene)
+    every, moving = _joints(scene)
+    poses = scene.poses
     held = [c for c in every if not c.driven]
     slopes = _slopes(held, poses, moving)
     _, values, directions = np.linalg.svd(slopes)
@@ -105,18 +106,17 @@ def singular_start_warnings(scene: CheckedScene) -> Iterator[str]:
         yield _singular(rank, len(slopes), nearby)
 
 
-def _joints(scene: CheckedScene) -> tuple[list[Constraint], dict[str, StartPose], tuple[str, ...]]:
-    """All constraints of a scene, poses of its bodies at the start, and names of those that can move."""
-    points = scene_points(scene)
-    poses = start_poses(scene, points)
-    every = [*constraints(scene, points, written_poses(scene, points)), *hinge_constraints(scene, points)]
-    fixed = {*motions(scene), *(() if scene.base.free is not None else (scene.base.name,))}
-    return every, dict(poses), tuple(name for name in poses if name not in fixed)
+def _joints(scene: CheckedScene) -> tuple[list[Constraint], tuple[str, ...]]:
+    """All constraints of a scene, and names of the bodies that can move."""
+    every = [*scene.constraints, *hinge_constraints(scene.hinge_lines, scene.points)]
+    fixed = {*scene.motions, *(() if scene.base.free is not None else (scene.base.name,))}
+    return every, tuple(name for name in scene.poses if name not in fixed)
 
 
 def find_constraints(scene: CheckedScene) -> Constraints:
     """Constraints of a scene where it starts."""
-    found, poses, moving = _joints(scene)
+    found, moving = _joints(scene)
+    poses = scene.poses
     held = [c for c in found if not c.driven]
     slopes = _slopes(held, poses, moving)
     _, values, directions = np.linalg.svd(slopes)
@@ -161,7 +161,7 @@ def _nearby(
         return None
     step = np.random.default_rng(0).standard_normal(len(free)) @ free
     away = displaced(poses, moving, _AWAY / np.abs(step).max() * step)
-    return _rank(_slopes(held, close(held, away, moving, [Weight()] * len(moving)), moving))
+    return _rank(_slopes(held, close(held, away, dict.fromkeys(moving, Weight())), moving))
 
 
 def _spins(
