@@ -18,7 +18,7 @@ from .table import Axis, Name, Table
 from .units import (
     Angle,
     AngularRate,
-    Arm,
+    Distance,
     FrictionTorque,
     MomentOfInertia,
     PositiveAngle,
@@ -81,7 +81,7 @@ class Friction(Table):
     """Static over sliding friction coefficient."""
     pin_radius: Radius = 0.006
     """Radius of the pins."""
-    bending_arm: Arm = 0.0
+    bending_arm: Distance = 0.0
     """Arm that turns bending moment into pin force; 0 for none."""
     stiction_velocity: AngularRate = 0.0167
     """Hinge rate from which smooth friction is full, and that of pins falls from its static to its sliding value."""

@@ -20,6 +20,7 @@ from .body_tables import Base, Body
 from .component_connections import connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .data_sheets import with_entries
 from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .joint_presets import with_presets
@@ -191,8 +192,9 @@ def _checked(
     tree = _as_meant(tree, mistyped, known)
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
-    reader = EntryReader(with_presets(whole), added)
-    reader.note(loading.problems(plugins))
+    unloaded = list(loading.problems(plugins))
+    reader = EntryReader(with_entries(with_presets(whole)), added)
+    reader.note(unloaded)
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in mistyped)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
@@ -314,7 +316,6 @@ class _References:
             try:
                 points[body.name] = body_points(body)
             except ComponentError as error:
-                place = "" if body.catalogue is None or body.definition_tables else ".catalogue"
-                told = [f".{problem}" for problem in getattr(error, "problems", ())] or [f"{place}: {error}"]
+                told = [f".{problem}" for problem in getattr(error, "problems", ())] or [f": {error}"]
                 self.reader.note(f"body.{body.name}{problem}" for problem in told)
         return points

@@ -115,7 +115,8 @@ def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Ite
         thickness = panel.plate.equivalent_thickness
         if bend.deflection <= _THICKNESSES * thickness:
             continue
-        states_linear = "geometry" in (bodies[part.name].panel or {})
+        table = bodies[part.name].panel
+        states_linear = table is not None and "geometry" in table.model_fields_set
         yield message(
             "N-linear-plate" if states_linear else "W-linear-plate",
             f"{part.name} bent by {1e3 * bend.deflection:.3g} mm between its joints, at {bend.time:.4g} s, "

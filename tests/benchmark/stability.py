@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from components import catalogue, rotation_matrix
+from components import rotation_matrix
 from components.flexible.modal import ModalData
 from components.numerics.oscillators import propagator
 from orchestrator.assembly import HingeLine, Link, Part
@@ -30,6 +30,7 @@ from orchestrator.cosim.ports import Order
 from orchestrator.cosim.settings import Settings
 from orchestrator.cosim.stepping import StepError
 from orchestrator.run.run import as_fmus
+from tests.references import catalogue
 from tests.references.record import Record
 
 Start = dict[str, float | tuple[float, ...]]

@@ -6,7 +6,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from components import REGISTRY, catalogue, left_product
+from components import REGISTRY, left_product
 from components.body import Body
 from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.assembly import Part
@@ -17,6 +17,7 @@ from orchestrator.assembly.statics.linear_model import linearise, modal_damping,
 from orchestrator.assembly.statics.mechanism import Mechanism
 from orchestrator.assembly.statics.placed_body import PlacedBody
 from orchestrator.scene import SceneError, find_scene, load_scene
+from tests.references import catalogue
 from tests.references.closed_forms import two_inertia_frequency
 from tests.references.coupled import between, rigid, turned
 from tests.references.edits import edited

@@ -1,7 +1,7 @@
-"""Bodies of the data sheets in components/data: one table a body, values with unit and source.
+"""The catalogue: bodies of the data sheets in components/data and of plugins, one table a body, as scenes have them.
 
-An entry is `like` others: it has all that they have but what it says itself. A `template` is no body, only there to
-be like.
+A value may be a table of value, unit and source. An entry is `like` others: it has all that they have but what it says
+itself. A `template` is no body, only there to be like.
 """
 
 from __future__ import annotations
@@ -14,10 +14,14 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..contract.component import ComponentError
-from .definition import BodyDefinition
-from .reader import read_body
-from .tables import TableError, Tree, laid_over
+from components.contract.component import ComponentError
+
+from .body_tables import Body
+from .layers import Tree, merged
+from .table import BodyError
+from .validation import EntryReader
+
+_LIKE, _TEMPLATE = "like", "template"
 
 
 def add_sheet(path: str | Path) -> bool:
@@ -46,53 +50,73 @@ def add_sheet(path: str | Path) -> bool:
         )
     before = _added.get(path)
     _added[path] = found
-    if problems := list(_problems(found)):
+    if problems := [problem for name in found for problem in _problems(name)]:
         if before is None:
             del _added[path]
         else:
             _added[path] = before
         raise ComponentError("\n".join(f"{path}: {problem}" for problem in problems))
-    entry.cache_clear()
     return True
 
 
-def _problems(tables: Mapping[str, Tree]) -> Iterator[str]:
-    """What is wrong with the bodies of a file, as sentences with their keys."""
-    for name, table in tables.items():
+def _problems(name: str) -> Iterator[str]:
+    """What is wrong with a body, as sentences with their keys."""
+    from .body_definitions import definition  # takes its time, which others need not
+
+    if name not in entries():
+        return
+    try:
+        table = entry_table(name)
+    except KeyError as error:
+        yield f"{name}.like: there is no body {error.args[0]!r}"
+        return
+    reader = EntryReader({name: {"name": name, **table}}, ())
+    body = reader.table(name, Body, required=True)
+    yield from reader.problems
+    if body is not None:
         try:
-            if not table.get("template"):
-                read_body(entry_table(name))
-        except TableError as error:
+            definition(body)
+        except BodyError as error:
             yield from (f"{name}.{problem}" for problem in error.problems)
-        except KeyError as error:
-            yield f"{name}.like: there is no body {error.args[0]!r}"
 
 
 def entries() -> tuple[str, ...]:
     """Names of all bodies."""
-    return tuple(name for name, table in _tables().items() if not table.get("template"))
-
-
-@cache
-def entry(name: str) -> BodyDefinition:
-    """The body of a name; ComponentError where there is none."""
-    return read_body(entry_table(name))
+    return tuple(name for name, table in _tables().items() if not table.get(_TEMPLATE))
 
 
 def entry_table(name: str) -> Tree:
-    """The table of a body, what it is like put in; values are pairs of number and unit."""
-    if name not in entries():
-        raise ComponentError(f"there is no catalogue entry {name!r}; entries are {', '.join(entries())}")
+    """The table of a body, what it is like put in."""
     table: Tree = {}
     for raw in _lineage(name):
-        table = laid_over(table, raw)
-    return {key: value for key, value in table.items() if key not in ("like", "template")}
+        table = merged(table, raw)
+    return {key: value for key, value in table.items() if key not in (_LIKE, _TEMPLATE)}
+
+
+def check_entry(name: str) -> None:
+    """BodyError where there is no entry of a name."""
+    if name not in entries():
+        raise BodyError([f"catalogue: there is no entry {name!r}; entries are {', '.join(entries())}"])
+
+
+def with_entries(tree: Tree) -> Tree:
+    """The tree where bodies have the tables of their entries in the catalogue, with their changes."""
+    bodies = tree.get("body")
+    if not isinstance(bodies, list):
+        return tree
+    return {**tree, "body": [merged(_entry_of(body), body) if _entry_of(body) else body for body in bodies]}
+
+
+def _entry_of(body: object) -> Tree:
+    """Table of the entry that a body of a scene names, empty where there is none."""
+    name = body.get("catalogue") if isinstance(body, dict) else None
+    return entry_table(name) if isinstance(name, str) and name in entries() else {}
 
 
 def _lineage(name: str) -> Iterator[Tree]:
     """What an entry is like, the farthest first, then the entry itself."""
     table = _tables()[name]
-    for other in table.get("like", ()):
+    for other in table.get(_LIKE, ()):
         yield from _lineage(other)
     yield table
 
@@ -115,10 +139,10 @@ def _shipped() -> dict[str, Tree]:
 
 
 def _values(table: Mapping[str, Any]) -> Any:  # noqa: ANN401 - a table, or a value
-    """A table with its `{value, unit, source}` as pairs of number and unit, lists as lists of pairs."""
+    """A table with its `{value, unit, source}` as texts of number and unit."""
     if "value" in table:
         value, unit = table["value"], table["unit"]
-        return [(number, unit) for number in value] if isinstance(value, list) else (value, unit)
+        return [f"{number!r} {unit}" for number in value] if isinstance(value, list) else f"{value!r} {unit}"
     return {key: _entry(value) for key, value in table.items()}
 
 
