@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
@@ -16,8 +16,9 @@ from ..scene.builder import Names, listed
 from ..validity.centrifugal_stiffening import unstiffened_spins
 from ..validity.start import turned_from_the_world
 from .documents import ResultLike, opened
+from .options import Folder, Positive, Within
 from .progress import chosen
-from .quantities import Quantity, at_least, by_line, in_si
+from .quantities import Duration, Frequency, Length, Quantity, Tolerance, at_least, by_line, in_si
 from .simulate import SceneLike, as_scene
 from .warnings import warn
 
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from ..analysis.torque_margin.restart import CaseRestart
     from ..analysis.torque_margin.standard import FactorKind
     from ..analysis.torque_margin.sweep import FrictionKind
+    from ..analysis.vibration import Direction
     from ..assembly.statics.configuration import Configuration, Named
     from ..scene.freedoms import Constraints
     from ..scene.hinge_line_tables import HingeLine
@@ -75,7 +77,7 @@ def modes(
     flexible: Names = (),
     as_posed: bool = False,
     base: Literal["as_built", "held"] = "as_built",
-    count: int = 15,
+    count: Positive = 15,
 ) -> Modes:
     """Natural frequencies, damping ratios and effective masses of a scene in a configuration.
 
@@ -89,15 +91,15 @@ def modes(
         angles of single lines in this configuration, rad or texts such as "45 deg"
     latched : str or sequence of str, optional
         latched lines, "all" or "none"; by default all if deployed, else none
-    rigid, flexible : str or sequence of str
-        names of bodies with this model, or "all"; by default the models of the scene
+    rigid, flexible
+        see `simulate`
     as_posed : bool
         linearise at the hinge angles themselves; by default at the static equilibrium near them
     base : {"as_built", "held"}
         "held" fixes a free spacecraft; as built, it moves with the wing and six rigid-body modes come first; if the
         motion law of the base starts with a rate, modes are those of the steady spin, in rotating axes
     count : int
-        modes in addition to the rigid-body modes; by default 15
+        number of modes in addition to the rigid-body modes
 
     Returns
     -------
@@ -152,7 +154,7 @@ def appendage(
     as_posed: bool = False,
     hold: Names = "none",
     points: Names = (),
-    count: int = 15,
+    count: Positive = 15,
 ) -> list[Appendage]:
     """Linear appendage model of a scene: cantilever modes and participation about points of the base.
 
@@ -165,7 +167,7 @@ def appendage(
     points : str or sequence of str
         points of the base; by default the reference point of a fixed base, the centre of mass of a free one
     count : int
-        cantilever modes; by default 15
+        number of cantilever modes
 
     Returns
     -------
@@ -200,12 +202,12 @@ def frequency_response(
     rigid: Names = (),
     flexible: Names = (),
     as_posed: bool = False,
-    excite: str = "z",
-    along: str | None = None,
+    excite: Direction = "z",
+    along: Direction | None = None,
     points: Names = ("interface",),
-    low: Quantity = 0.1,
-    high: Quantity = 100.0,
-    steps: int = 400,
+    low: Frequency = 0.1,
+    high: Frequency = 100.0,
+    steps: Annotated[int, Within(low=2, high=100_000)] = 400,
 ) -> FrequencyResponse:
     """Frequency response of a scene in a configuration to vibration of its base.
 
@@ -220,9 +222,9 @@ def frequency_response(
     points : str or sequence of str
         points BODY.POINT whose acceleration is computed; "interface" is the load on the base
     low, high : float or str
-        frequency range, Hz; by default 0.1 to 100
+        frequency range, in Hz
     steps : int
-        frequencies, in addition to those near resonances; by default 400
+        number of frequencies, in addition to those near resonances
 
     Returns
     -------
@@ -303,7 +305,7 @@ def quasi_static(
     rigid: Names = (),
     flexible: Names = (),
     hold: Names | None = None,
-    steps: int = 12,
+    steps: Annotated[int, Within(low=1, high=10_000)] = 12,
 ) -> list[Equilibrium]:
     """Static equilibria over a sweep of hinge angles; other lines follow, or are held.
 
@@ -316,7 +318,7 @@ def quasi_static(
     hold : str or sequence of str, optional
         held lines, "all" or "none"; by default none
     steps : int
-        steps of the sweep; by default 12
+        number of steps of the sweep
 
     Returns
     -------
@@ -349,11 +351,11 @@ def quasi_static(
 def torque_margin(
     scene: SceneLike,
     *,
-    cases: Sequence[str] = (),
+    cases: Names = (),
     factors: FactorKind = "theoretical",
     friction: FrictionKind = "sliding",
     torques: Mapping[str, Mapping[str, Quantity]] | None = None,
-    positions: int = 19,
+    positions: Annotated[int, Within(low=2, high=10_000)] = 19,
 ) -> TorqueMargin:
     """Torque margin of every driven hinge line over its travel, limit 2; bodies are rigid.
 
@@ -368,11 +370,12 @@ def torque_margin(
     factors : {"theoretical", "measured"}
         uncertainty factors of ECSS-E-ST-33-01C, table 4-2
     friction : {"constant", "sliding", "static"}
-        "constant" is the preload torque alone; "sliding" and "static" add friction due to joint reactions
+        friction torques: "constant" is the preload torque alone; "sliding" and "static" add friction due to joint
+        reactions
     torques : mapping, optional
         additional torques, N.m, by line and ECSS symbol, such as ``{"HL2": {"HY": 0.02}}``
     positions : int
-        positions over the travel, including its ends; by default 19
+        number of positions over the travel, including its ends
 
     Returns
     -------
@@ -412,11 +415,11 @@ def torque_margin(
 
 def restart(
     scene: SceneLike,
-    positions: Sequence[str],
+    positions: Names,
     *,
-    cases: Sequence[str] = (),
-    until: Quantity | None = None,
-    folder: str | Path | None = None,
+    cases: Names = (),
+    until: Duration | None = None,
+    folder: Folder | None = None,
     progress: bool | Progress | None = None,
 ) -> list[CaseRestart]:
     """Simulate a scene from rest at positions of its travel, and report whether every line opens.
@@ -454,9 +457,9 @@ def latch_tuning(
     scene: SceneLike,
     line: str,
     *,
-    frequency: Quantity | None = None,
+    frequency: Annotated[Quantity, Within("Hz", 0.0, above=True)] | None = None,
     stiffness_of: Kind | None = None,
-    hinge_stiffness: Quantity | None = None,
+    hinge_stiffness: Annotated[Quantity, Within("N.m/rad", 0.0, above=True)] | None = None,
     rigid: Names = (),
     flexible: Names = (),
 ) -> Tuning:
@@ -469,11 +472,11 @@ def latch_tuning(
     line : str
         hinge line between the bodies
     frequency : float or str, optional
-        target frequency, Hz; by default that of the flexible pair
+        target frequency, in Hz; by default that of the flexible pair
     stiffness_of : {"total", "structure"}, optional
         stiffness that the frequency belongs to; by default "total" if `frequency` is set, else "structure"
     hinge_stiffness : float or str, optional
-        measured stiffness of all hinges of the line together, N.m/rad
+        measured stiffness of all hinges of the line together, N.m/rad or a text such as "51.3 N.m/deg"
     rigid, flexible : str or sequence of str
         see `modes`
 
@@ -501,7 +504,7 @@ def wing_latch_tuning(
     scene: SceneLike,
     line: str,
     *,
-    frequency: Quantity | None = None,
+    frequency: Annotated[Quantity, Within("Hz", 0.0, above=True)] | None = None,
     rigid: Names = (),
     flexible: Names = (),
 ) -> WingTuning:
@@ -548,11 +551,11 @@ def mode_study(
     scene: SceneLike,
     body: str | None = None,
     *,
-    counts: Sequence[int] = (2, 3, 4, 5, 10, 20, 30),
+    counts: Annotated[Sequence[int], Within(low=0)] = (2, 3, 4, 5, 10, 20, 30),
     rigid: Names = (),
     flexible: Names = (),
-    tolerance: float | None = None,
-    folder: str | Path | None = None,
+    tolerance: Tolerance | None = None,
+    folder: Folder | None = None,
     progress: bool | Progress | None = None,
 ) -> ModeStudy:
     """Convergence of the latch-up with the number of fixed-interface modes of a body.
@@ -566,7 +569,7 @@ def mode_study(
     body : str, optional
         body whose number of modes varies; required if several bodies are flexible
     counts : sequence of int
-        numbers of modes
+        numbers of fixed-interface modes; the largest is the reference
     rigid, flexible, tolerance
         see `simulate`
     folder : str or Path, optional
@@ -588,11 +591,11 @@ def mode_study(
 def step_study(
     scene: SceneLike,
     *,
-    steps: Sequence[float] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
+    steps: Annotated[Sequence[float], Within("s")] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
     rigid: Names = (),
     flexible: Names = (),
-    tolerance: float | None = None,
-    folder: str | Path | None = None,
+    tolerance: Tolerance | None = None,
+    folder: Folder | None = None,
     progress: bool | Progress | None = None,
 ) -> LatchStudy:
     """Convergence of the latch-up with the constant communication step size; the smallest step is the reference.
@@ -602,7 +605,7 @@ def step_study(
     scene : str, Path or Scene
         scene, or its name or file
     steps : sequence of float
-        step sizes, s
+        constant communication step sizes, in seconds; the smallest is the reference
     rigid, flexible, tolerance
         see `simulate`
     folder : str or Path, optional
@@ -625,12 +628,12 @@ def stress(
     result: ResultLike,
     body: str,
     *,
-    count: int = 10,
-    radius: Quantity = 0.05,
+    count: Positive = 10,
+    radius: Length = 0.05,
     nodes: Sequence[int] | None = None,
     within: tuple[float, float, float, float] | None = None,
     around: tuple[float, float, float] | None = None,
-    insert_margin: Quantity = 0.0,
+    insert_margin: Length = 0.0,
 ) -> PanelStress:
     """Von Mises stresses in the face sheets of a flexible panel: hot spots and peak field.
 
@@ -641,17 +644,17 @@ def stress(
     body : str
         panel
     count : int
-        hot spots; by default 10
+        number of hot spots
     radius : float or str
-        smallest distance between two hot spots, m; by default 0.05
+        smallest distance between two hot spots, in m
     nodes : sequence of int, optional
         only these nodes of the mesh
     within : tuple of float, optional
-        only nodes in the rectangle x0, x1, y0, y1 of the body frame, m
+        only nodes in the rectangle x0, x1, y0, y1 of the body frame, in m
     around : tuple of float, optional
-        only nodes in the circle x, y, radius of the body frame, m
+        only nodes in the circle x, y, radius of the body frame, in m
     insert_margin : float or str
-        smallest distance of nodes to rigid inserts, m, whose corners are singular; by default 0
+        smallest distance of nodes to rigid inserts, in m, whose corners are singular
 
     Returns
     -------

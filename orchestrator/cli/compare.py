@@ -11,6 +11,9 @@ import click
 
 import orchestrator as fanfold
 
+from ..api.options import Folder
+from .command import EXISTING, made_of
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -43,15 +46,17 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     return table
 
 
-@click.command("compare")
-@click.argument("a", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.argument("b", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures."
-)
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
-    """Compare result B with result A: peaks, ratios, time shifts, overlaid pictures."""
+@made_of(name="compare")
+@click.argument("a", type=EXISTING)
+@click.argument("b", type=EXISTING)
+def command(a: Path, b: Path, output: Folder | None = None, as_json: bool = False) -> None:
+    """Compare result B with result A: peaks, ratios, time shifts, overlaid pictures.
+
+    Options
+    -------
+    output
+        folder for the pictures
+    """
     from ..results.compare import by_component, end_note, labels
     from ..results.differences import differences, scene_note
     from .tables import terminal

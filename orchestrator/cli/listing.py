@@ -10,28 +10,27 @@ import click
 
 import orchestrator as fanfold
 
-from .options import plugin_option
+from .command import PLUGIN, made_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from components import Component, Quantity
 
     from ..scene.keys.listing import KeyTable
 
 
-@click.command("list")
+@made_of(name="list", plugin=PLUGIN)
 @click.argument("name", required=False)
-@click.option(
-    "--names",
-    is_flag=True,
-    help="Print only scenes and their variants, one per line, as arguments of `fanfold run`.",
-)
-@plugin_option
-def command(name: str | None, names: bool) -> None:
+def command(name: str | None, names: bool = False, plugin: Sequence[str] = ()) -> None:
     """List scenes and components, or describe NAME.
 
     NAME is a component, a table of scene files such as hinge_line, latch or panel, or `distributions` of studies.
+
+    Options
+    -------
+    names
+        print only scenes and their variants, one per line, as arguments of `fanfold run`
     """
     from components import REGISTRY
 

@@ -6,100 +6,49 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, large_deformation_option, scene_choice
-from .types import Number, Seconds
+from .command import Asked, made_of
 
 if TYPE_CHECKING:
     from ..analysis.sampling.tuning import Tuned
+    from ..scene.builder import Scene
 
 _NOT_REACHED = 2
 """Exit code where the targets are not met."""
 
 
-@click.command("tune")
-@scene_choice
-@large_deformation_option
-@click.option(
-    "--target", "targets", multiple=True, metavar="NUMBER=VALUE",
-    help="Target of a headline number, such as 'latch_time.HL1=11.6 s'; repeatable.",
-)  # fmt: skip
-@click.option(
-    "--curve", type=click.Path(path_type=Path, exists=True, dir_okay=False), metavar="CSV",
-    help="CSV file of measured signals: times (s) in the first column, others headed COMPONENT.VARIABLE.",
-)  # fmt: skip
-@click.option(
-    "--vary", multiple=True, required=True, metavar="KEY=RANGE",
-    help=(
-        "Range of a key, such as 'hinge_line.HL1.motor.stowed=uniform(1.2 N.m, 2 N.m)'; 'KEY*=uniform(0.5, 2)' is "
-        "a factor, keys separated by commas get the same value; repeatable."
-    ),
-)  # fmt: skip
-@click.option(
-    "--accuracy",
-    type=Number(min=1e-9, max=0.1),
-    default=1e-4,
-    show_default=True,
-    help="Largest relative difference to the targets.",
+@made_of(
+    "tune",
+    name="tune",
+    vary={"metavar": "KEY=RANGE"},
+    targets={"flags": "--target", "metavar": "NUMBER=VALUE"},
 )
-@click.option("--most-runs", type=click.IntRange(min=2), default=100, show_default=True)
-@click.option(
-    "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Number of processes."
-)
-@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of every run.")
-@click.option(
-    "--until",
-    type=Seconds(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="End time of every run in seconds.",
-)
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-@click.pass_context
-def command(
-    context: click.Context,
-    choice: SceneChoice,
-    large_deformation: frozenset[str],
-    targets: tuple[str, ...],
-    curve: Path | None,
-    vary: tuple[str, ...],
-    accuracy: float,
-    most_runs: int,
-    workers: int,
-    tolerance: float | None,
-    until: float | None,
-    as_json: bool,
-) -> None:
+def command(scene: Scene, asked: Asked, as_json: bool = False) -> None:
     """Fit keys of SCENE to target values of headline numbers and to measured curves.
 
     Exit code 2 if the targets are not met.
+
+    Options
+    -------
+    vary
+        range of a key, such as 'hinge_line.HL1.motor.stowed=uniform(1.2 N.m, 2 N.m)'; 'KEY*=uniform(0.5, 2)' is a
+        factor, keys separated by commas get the same value; repeatable
+    targets
+        target of a headline number, such as 'latch_time.HL1=11.6 s'; repeatable
     """
-    with _shown(most_runs) as watch:
-        found = fanfold.tune(
-            choice.load(),
-            vary,
-            targets,
-            **choice.fidelities,
-            large_deformation=large_deformation,
-            curve=curve,
-            accuracy=accuracy,
-            most_runs=most_runs,
-            workers=workers,
-            tolerance=tolerance,
-            until=until,
-            watch=watch,
-        )
+    with _shown(asked["tune"]["most_runs"]) as watch:
+        found = fanfold.tune(scene, **asked["tune"], watch=watch)
     if as_json:
         click.echo(json.dumps({**asdict(found), "derivatives": found.derivatives.tolist()}))
     else:
         _report(found)
     if not found.reached:
-        context.exit(_NOT_REACHED)
+        click.get_current_context().exit(_NOT_REACHED)
 
 
 @contextmanager

@@ -1,18 +1,15 @@
-"""Common parts of the convergence studies: options, pictures, table of latch-ups."""
+"""Common parts of the convergence studies: pictures, table of latch-ups."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 import orchestrator as fanfold
-
-from ..options import Command
-from ..types import Number
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -37,24 +34,6 @@ def report_study(
     for table in further:
         console.print(table)
     console.print(f"pictures and results in {folder}")
-
-
-def study_options(study: str, runs: str) -> Callable[[Command], Command]:
-    """Common options of the studies; runs: those with the tolerance."""
-
-    def with_options(command: Command) -> Command:
-        text = "One JSON object on standard output."
-        command = click.option("--json", "as_json", is_flag=True, help=text)(command)
-        command = click.option(
-            "-o", "--output", type=click.Path(path_type=Path, file_okay=False),
-            help=f"Folder for results and pictures; by default SCENE.{study}.",
-        )(command)  # fmt: skip
-        return click.option(
-            "--tolerance", type=Number(min=1e-10, max=0.1),
-            help=f"Relative accuracy of the {runs}; by default that of the scene.",
-        )(command)  # fmt: skip
-
-    return with_options
 
 
 def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:

@@ -11,12 +11,13 @@ import click
 import orchestrator as fanfold
 
 from ...analysis.vibration import DIRECTIONS
-from ..options import SceneChoice, ordered_names, scene_choice
-from ..types import Count, OutputFile
-from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice, lines_given
+from ...api.options import OutputFile
+from ..command import Asked, made_of
+from ._configuration import ANGLES
 
 if TYPE_CHECKING:
     from ...analysis.appendage.model import Appendage
+    from ...scene.builder import Scene
 
 _SMALLEST_SHARE = 1e-3
 """Fraction of the rigid mass; smaller values are shown as 0."""
@@ -27,44 +28,16 @@ Examples:
 """
 
 
-@click.command("appendage", epilog=_EXAMPLES)
-@scene_choice
-@configuration_choice
-@as_posed_option
-@click.option(
-    "--hold", multiple=True, default=("none",), show_default=True, metavar="LINES", callback=lines_given,
-    help="Lines fixed at their angles without being latched, separated by commas, or all, or none.",
-)  # fmt: skip
-@click.option(
-    "--points", multiple=True, callback=ordered_names, metavar="NAMES",
-    help="Points of the base, with a model about each; by default the point that the base rotates about.",
-)  # fmt: skip
-@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Number of cantilever modes.")
-@click.option(
-    "-o", "--save", type=OutputFile(), metavar="FILE",
-    help="File to write: .json, .npz, .mat (MATLAB), .op4 (Craig-Bampton, one grid), .txt (flexible body of 42).",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(
-    choice: SceneChoice,
-    wanted: ConfigurationChoice,
-    as_posed: bool,
-    hold: tuple[str, ...],
-    points: tuple[str, ...],
-    count: int,
-    save: Path | None,
-    as_json: bool,
-) -> None:
-    """Linear appendage model of SCENE: cantilever modes, participation, rigid and residual mass."""
-    found = fanfold.appendage(
-        choice.load(),
-        **wanted.posed,
-        **choice.fidelities,
-        as_posed=as_posed,
-        hold=hold,
-        points=points,
-        count=count,
-    )
+@made_of("appendage", name="appendage", epilog=_EXAMPLES, angles=ANGLES, save={"flags": "-o --save"})
+def command(scene: Scene, asked: Asked, save: OutputFile | None = None, as_json: bool = False) -> None:
+    """Linear appendage model of SCENE: cantilever modes, participation, rigid and residual mass.
+
+    Options
+    -------
+    save
+        file to write: .json, .npz, .mat (MATLAB), .op4 (Craig-Bampton, one grid), .txt (flexible body of 42)
+    """
+    found = fanfold.appendage(scene, **asked["appendage"])
     if as_json:
         click.echo(json.dumps({"appendages": [one.as_dict() for one in found]}))
     else:
@@ -73,7 +46,7 @@ def command(
     if save is not None:
         from ...analysis.appendage.files import write_appendages
 
-        for path in write_appendages(found, save):
+        for path in write_appendages(found, Path(save)):
             click.echo(path, err=as_json)
 
 

@@ -11,7 +11,8 @@ import click
 
 import orchestrator as fanfold
 
-from ..types import Picture
+from ...api.options import Picture
+from ..command import made_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -46,15 +47,15 @@ def impact_table(found: list[Impact], angular: bool) -> Table:
     return table
 
 
-@click.command("impact")
-@click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option(
-    "-o", "--output", type=Picture(), metavar="FILE",
-    help="Picture; by default RESULT.impact.png.",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(result: Path, output: Path | None, as_json: bool) -> None:
-    """Impacts of all contacts and end stops in RESULT: time, speed, peak load, impulse, energy loss."""
+@made_of("impacts", name="impact")
+def command(result: Path, output: Picture | None = None, as_json: bool = False) -> None:
+    """Impacts of all contacts and end stops in RESULT: time, speed, peak load, impulse, energy loss.
+
+    Options
+    -------
+    output
+        picture; by default RESULT.impact.png
+    """
     opened = fanfold.Result.open(result)
     found = fanfold.impacts(opened)
     picture = output or result.with_suffix(".impact.png")

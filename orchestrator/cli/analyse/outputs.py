@@ -10,7 +10,8 @@ import click
 
 import orchestrator as fanfold
 
-from ..options import result_options
+from ...api.options import OutputFile
+from ..command import Asked, made_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -18,21 +19,22 @@ if TYPE_CHECKING:
     from ...analysis.stress.outputs import BodyOutputs
 
 
-@click.command("outputs")
-@click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option("--body", required=True, metavar="BODY", help="The imported body.")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-    help="CSV file with all recorded times; by default BODY_outputs.csv in a folder named after RESULT.",
-)  # fmt: skip
-@result_options
-def command(result: Path, body: str, output: Path | None) -> None:
-    """Element stresses and forces of an imported body in RESULT: extremes and histories."""
-    found = fanfold.body_outputs(result, body)
+@made_of("body_outputs", name="outputs")
+def command(result: Path, asked: Asked, output: OutputFile | None = None) -> None:
+    """Element stresses and forces of an imported body in RESULT: extremes and histories.
+
+    Options
+    -------
+    body
+        the imported body
+    output
+        CSV file with all recorded times; by default BODY_outputs.csv in a folder named after RESULT
+    """
+    found = fanfold.body_outputs(result, **asked["body_outputs"])
     from ..tables import terminal
 
     terminal().print(_table(found))
-    click.echo(_write(found, output or result.with_suffix("") / f"{body}_outputs.csv"))
+    click.echo(_write(found, Path(output or result.with_suffix("") / f"{found.body}_outputs.csv")))
 
 
 def _table(found: BodyOutputs) -> Table:
