@@ -180,7 +180,7 @@ def simulate(
     estimate : bool
         estimate the errors of headline numbers, for half the cost of the run
     refine : bool
-        repeat the run with a smaller tolerance if estimated errors exceed the tolerance
+        repeat the run with a smaller tolerance if it is likely to miss ten tolerances
     record : float or str
         rows of the result: "all", or time between rows, in seconds; rows of events and peaks are always kept
     signals : str or sequence of str
