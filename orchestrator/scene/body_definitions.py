@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import accumulate
 from math import isclose, sqrt
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from components.beam_parts.rest_shape import Arc, Curve
 from components.beam_parts.sections import Material, rectangle, round_section
@@ -27,11 +27,18 @@ from components.imported.body import ImportedBody
 from components.imported.points import JoinedPoint
 from components.imported.reading import beside
 
-from .body_tables import Body, RigidTwinTable
+from .body_tables import Body
 from .construction.frame_tables import BeamTable, FrameTable, MemberTable
-from .construction.import_tables import ImportTable, JoinedPointTable
+from .construction.import_tables import ImportTable
 from .construction.materials import MaterialTable
-from .construction.panel_tables import ArmTable, CommonArmTable, FaceSheetsTable, InsertTable, PanelTable
+from .construction.panel_tables import (
+    ArmTable,
+    CommonArmTable,
+    FaceSheetsTable,
+    InsertTable,
+    LayerTable,
+    PanelTable,
+)
 from .table import BodyError
 
 _SIDES = (("left", 1.0), ("right", -1.0))
@@ -49,38 +56,26 @@ def definition(body: Body) -> BodyDefinition:
     frame = None if body.frame is None else _frame(body.frame)
     beam = None if body.beam is None else _beam(body.beam, problems)
     imported = None if body.imported is None else _imported(body.imported, problems)
-    ends, nodes = _points(body, panel)
+    arms = () if panel is None else panel.arms
+    joined = () if imported is None else (*imported.rigid_elements, *imported.means)
+    joints = () if body.frame is None else body.frame.joints
+    tables = [table for table in (body.frame, body.beam, body.imported) if table is not None]
+    ends = (
+        *(name for table in tables for name in table.attachment_points),
+        *(arm.name for arm in arms if arm.name not in joints),  # others are welded
+        *(point.name for point in joined),
+    )
+    nodes = (*(() if panel is None else panel.nodes), *(name for table in tables for name in table.nodes))
     if not problems:
         problems += [f"panel: {problem}" for problem in (panel.problems() if panel else ())]
         problems += [f"beam.{problem}" for problem in (beam.problems() if beam else ())]
-        tips = {} if panel is None else {arm.name: (panel.ends(arm)[1], arm.y, arm.z) for arm in panel.arms}
+        tips = {arm.name: (panel.ends(arm)[1], arm.y, arm.z) for arm in arms if panel is not None}
         problems += [f"frame.{problem}" for problem in (frame.problems(tips) if frame else ())]
         problems += _lost(ends, nodes)
     if problems:
         raise BodyError(problems)
-    twin = _twin(body.rigid_twin or RigidTwinTable())
+    twin = RigidTwin() if body.rigid_twin is None else RigidTwin(**body.rigid_twin.model_dump())
     return BodyDefinition(panel, frame, ends, nodes, twin, sheets, beam, imported)
-
-
-def _points(body: Body, panel: Panel | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of the attachment points and of the further points; an arm that is welded to a joint is none."""
-    ends: list[str] = []
-    nodes: list[str] = []
-    if body.frame is not None:
-        ends += body.frame.attachment_points
-    if panel is not None:
-        joints = body.frame.joints if body.frame is not None else {}
-        ends += [arm.name for arm in panel.arms if arm.name not in joints]
-        nodes += panel.nodes
-    if body.frame is not None:
-        nodes += body.frame.nodes
-    if body.beam is not None:
-        ends += body.beam.attachment_points
-        nodes += body.beam.nodes
-    if (files := body.imported) is not None:
-        ends += [*files.attachment_points, *(point.name for point in (*files.rigid_elements, *files.means))]
-        nodes += files.nodes
-    return tuple(ends), tuple(nodes)
 
 
 def _lost(ends: Sequence[str], nodes: Sequence[str]) -> Iterator[str]:
@@ -96,23 +91,19 @@ def _lost(ends: Sequence[str], nodes: Sequence[str]) -> Iterator[str]:
 
 
 def _panel(table: PanelTable, problems: list[str]) -> tuple[Panel, FaceSheets | None]:
-    made = _plate_of(table, problems)
+    """The panel, and the sheets that carry its stress where they are known."""
+    stiffness = _stiffness(table, problems)
     plate = Plate(
-        table.length,
-        table.width,
-        table.areal_mass,
-        made.bending,
-        made.membrane,
-        table.prestress,
-        table.geometry,
+        **table.model_dump(include={"length", "width", "areal_mass", "prestress", "geometry"}),
+        bending=stiffness.bending,
+        membrane=stiffness.membrane,
     )
-    sheets = made.sheets
-    if table.face_sheets is not None:
-        sheets = _face_sheets(table.face_sheets)
-        given = table.face_sheets
+    sheets = stiffness.sheets
+    if (given := table.face_sheets) is not None:
+        sheets = _face_sheets(given)
         thickness, distance = given.thickness or given.skin or 0.0, given.distance or 0.0
         layers = [layer.thickness for layer in table.layers or ()]
-        if problem := _contradiction(sheets, made.sheets, layers, thickness, distance) or _misplaced(
+        if problem := _contradiction(sheets, stiffness.sheets, layers, thickness, distance) or _misplaced(
             sheets, plate, 0.5 * (distance or thickness)
         ):
             problems.append(f"panel.face_sheets: {problem}")
@@ -132,39 +123,34 @@ class _Stiffness(NamedTuple):
     sheets: FaceSheets | None = None
 
 
-def _plate_of(table: PanelTable, problems: list[str]) -> _Stiffness:
+def _stiffness(table: PanelTable, problems: list[str]) -> _Stiffness:
     if (sandwich := table.sandwich) is not None:
-        kind, skin, core = "sandwich", sandwich.skin, sandwich.core
-        shear = sandwich.shear_modulus or 0.5 * sandwich.youngs_modulus / (1.0 + sandwich.poisson_ratio)
-        pair = sandwich_stiffness(skin, core, sandwich.youngs_modulus, sandwich.poisson_ratio, shear)
+        kind, skin, core, modulus = "sandwich", sandwich.skin, sandwich.core, sandwich.youngs_modulus
+        shear = sandwich.shear_modulus or 0.5 * modulus / (1.0 + sandwich.poisson_ratio)
+        pair = sandwich_stiffness(skin, core, modulus, sandwich.poisson_ratio, shear)
         found = _Stiffness(*pair, FaceSheets.sandwich(skin, core + skin))
     elif table.layers is not None:
-        kind = "layers"
-        bending, membrane, problem = laminate_stiffness(
-            [
-                Layer(
-                    layer.thickness,
-                    layer.youngs_modulus,
-                    layer.transverse_modulus or layer.youngs_modulus,
-                    layer.poisson_ratio,
-                    layer.shear_modulus,
-                    layer.angle,
-                )
-                for layer in table.layers
-            ]
-        )
+        kind, layers = "layers", [_layer(layer) for layer in table.layers]
+        bending, membrane, problem = laminate_stiffness(layers)
         if problem:
             problems.append(f"panel.layers: {problem}")
         found = _Stiffness(bending, membrane)
     else:
         assert table.stiffness is not None
-        kind, found = "stiffness", _Stiffness(table.stiffness.bending, table.stiffness.membrane)
+        kind, found = "stiffness", _Stiffness(**table.stiffness.model_dump())
     for name, values in (("bending", found.bending), ("membrane", found.membrane)):
         if min(values[0], values[1], values[3]) <= 0.0 or values[2] ** 2 >= values[0] * values[1]:
             problems.append(
                 f"panel.{kind}: is {list(values)} in {name}; 11, 22, 66 and 11 x 22 - 12 x 12 of a plate are positive"
             )
     return found
+
+
+def _layer(table: LayerTable) -> Layer:
+    return Layer(
+        **table.model_dump(exclude={"transverse_modulus"}),
+        transverse_modulus=table.transverse_modulus or table.youngs_modulus,
+    )
 
 
 def _face_sheets(table: FaceSheetsTable) -> FaceSheets:
@@ -223,53 +209,29 @@ def _arms(table: PanelTable) -> Iterator[HingeArm]:
 
 def _arm(arm: ArmTable, common: CommonArmTable) -> HingeArm:
     """An arm with the common keys that it omits."""
-
-    def of(key: str) -> Any:  # noqa: ANN401 - a number, or None
-        own = getattr(arm, key)
-        return getattr(common, key) if own is None else own
-
-    section = arm.stiffness or (None if common.rigid else common.stiffness)
-    is_rigid = section is None if arm.rigid is None else arm.rigid
-    return HingeArm(
-        arm.name,
-        of("y"),
-        arm.edge,
-        of("length"),
-        None if is_rigid or section is None else BeamSection(**section.model_dump()),
-        of("point_mass"),
-        of("patch"),
-        z=of("z"),
-    )
+    keys = common.model_dump() | arm.model_dump(exclude_none=True)
+    stiffness, _ = keys.pop("stiffness"), keys.pop("rigid")
+    if common.rigid and arm.stiffness is None:
+        stiffness = None
+    is_rigid = stiffness is None if arm.rigid is None else arm.rigid
+    return HingeArm(**keys, section=None if is_rigid else BeamSection(**stiffness))
 
 
 def _insert(table: InsertTable) -> HingeArm:
     """A rigid insert inside the plate with an attachment point in the middle of its patch, or that of rectangles."""
-    return HingeArm(
-        table.name,
-        table.y,
-        length=0.0,
-        point_mass=table.point_mass,
-        patch=table.patch,
-        x=table.x,
-        rectangles=tuple((rectangle.x, rectangle.y) for rectangle in table.rectangles),
-    )
+    rectangles = tuple((part.x, part.y) for part in table.rectangles)
+    return HingeArm(**table.model_dump(exclude={"rectangles"}), length=0.0, rectangles=rectangles)
 
 
 def _frame(table: FrameTable) -> Frame:
+    spread = None if table.spread_mass is None else SpreadMass(**table.spread_mass.model_dump())
     members = tuple(_member(member, table) for member in table.members)
-    spread = table.spread_mass
-    return Frame(
-        tuple(table.joints.items()),
-        members,
-        None
-        if spread is None
-        else SpreadMass(spread.members, spread.mass, spread.center_of_mass, spread.inertia),
-    )
+    return Frame(tuple(table.joints.items()), members, spread)
 
 
 def _member(table: MemberTable, frame: FrameTable) -> Member:
     own = table if table.tube is not None or table.section is not None else frame
-    return Member(table.name, table.joints, _frame_section(own), table.elements, table.mass)
+    return Member(**table.model_dump(exclude={"tube", "section"}), section=_frame_section(own))
 
 
 def _frame_section(table: MemberTable | FrameTable) -> BeamSection:
@@ -320,22 +282,16 @@ def _beam_section(table: BeamTable) -> Section:
 
 
 def _imported(table: ImportTable, problems: list[str]) -> ImportedBody:
-    stated = table.stated
     return ImportedBody(
         tuple(table.files.items()),
         _digest(table, problems),
         tuple(table.attachment_points.items()),
         tuple(table.nodes.items()),
-        _joined(table.rigid_elements),
-        _joined(table.means),
-        table.units.length,
-        table.units.mass,
-        Stated() if stated is None else Stated(stated.mass, stated.center_of_mass, stated.inertia),
+        tuple(JoinedPoint(**point.model_dump()) for point in table.rigid_elements),
+        tuple(JoinedPoint(**point.model_dump()) for point in table.means),
+        **table.units.model_dump(),
+        stated=Stated() if table.stated is None else Stated(**table.stated.model_dump()),
     )
-
-
-def _joined(tables: Sequence[JoinedPointTable]) -> tuple[JoinedPoint, ...]:
-    return tuple(JoinedPoint(table.name, table.nodes, table.position) for table in tables)
 
 
 def _digest(table: ImportTable, problems: list[str]) -> str:
@@ -350,7 +306,3 @@ def _digest(table: ImportTable, problems: list[str]) -> str:
                 if part == path:
                     problems.append(f"import.{name}: {path}: cannot be read: {error.strerror}")
     return found.hexdigest()
-
-
-def _twin(table: RigidTwinTable) -> RigidTwin:
-    return RigidTwin(table.hardware, table.mass, table.center_of_mass, table.inertia)

@@ -72,31 +72,31 @@ class FrameSectionTable(StiffnessTable):
     """Radius of gyration about the axis."""
 
 
-class ShapedTubeTable(TubeTable):
-    """Round tube of a beam with shear."""
+class ShapeTable(MaterialTable):
+    """A section of one material, with shear."""
 
     shear_factor: PositiveRatio | None = None
     """Timoshenko's shear factor; by default that of the shape."""
 
 
-class RectangleTable(MaterialTable):
+class ShapedTubeTable(TubeTable, ShapeTable):
+    """Round tube of a beam with shear."""
+
+
+class RectangleTable(ShapeTable):
     """Solid rectangle."""
 
     width: Length
     """Along the section's y."""
     height: Length
     """Along the section's z."""
-    shear_factor: PositiveRatio | None = None
-    """Timoshenko's shear factor; by default that of the shape."""
 
 
-class CircleTable(MaterialTable):
+class CircleTable(ShapeTable):
     """Solid circle."""
 
     diameter: Length
     """Outer diameter."""
-    shear_factor: PositiveRatio | None = None
-    """Timoshenko's shear factor; by default that of the shape."""
 
 
 class BeamSectionTable(StiffnessTable):
