@@ -35,7 +35,7 @@ _LIKELY = 1.0 / 3.0
 _DECADES = 2
 """Repetitions at most."""
 _MOST_TIMES = 6.0
-"""Steps of a repetition over those of the first run, at most; two decades take 10^(2/4) = 3.2 times as many."""
+"""Steps of a further run over those of the first, at most; two decades take 10^(2/4) = 3.2 times as many."""
 _NOT_ESTIMATED = ("end time", "energy residual", UNLATCHED, "lock torque peak")
 """A lock between rigid bodies rings with its own stiffness, which no step is meant to follow."""
 
@@ -65,7 +65,8 @@ def with_estimates(
         followed(progress, f"{name}: errors", end) as watch,
     ):
         try:
-            coarser = run(assembly, None, _coarser(settings, outcome.order), until, watch=watch, load=load)
+            bounded = _Bounded(watch, outcome.costs.steps)
+            coarser = run(assembly, None, _coarser(settings, outcome.order), until, watch=bounded, load=load)
             outcome = _compared(outcome, coarser)
         except InterruptedRunError:
             raise
@@ -148,10 +149,10 @@ def _with(outcome: Outcome, errors: dict[Key, float]) -> Outcome:
 
 
 class _Bounded:
-    """A watch that ends a repetition of too many times the steps of the first run."""
+    """A watch that ends a run of more than `_MOST_TIMES` the steps of the first run."""
 
-    def __init__(self, watch: Watch, most: float) -> None:
-        self._watch, self._most = watch, most
+    def __init__(self, watch: Watch, first: int) -> None:
+        self._watch, self._most = watch, _MOST_TIMES * first
         self._made, self._last = 0.0, 0.0
 
     def __call__(self, time: float, h: float) -> None:
@@ -179,7 +180,7 @@ def _repeated(
         temporary = path and Path(stack.enter_context(TemporaryDirectory(dir=path.parent)), path.name)
         name = f"{assembly.name}: at {settings.tolerance:.2g}"
         with followed(progress, name, until or assembly.until) as watch:
-            bounded = _Bounded(watch, _MOST_TIMES * first.costs.steps)
+            bounded = _Bounded(watch, first.costs.steps)
             finer = run(assembly, temporary, settings, until, watch=bounded, load=load, asked=asked)
         finer = _compared(finer, outcome)
         if path and temporary:
