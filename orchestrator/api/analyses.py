@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
@@ -119,25 +119,17 @@ def modes(
     from ..analysis.modes import find_modes
     from ..validity.default_joints import default_joint_warnings
 
-    checked = _for_small_motion(scene, rigid, spinning=True)
-    target = _configuration(checked, configuration, angles, latched)
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched, spinning=True)
+    checked = posed.scene
     if base not in ("as_built", "held"):
         raise SceneError([f"base is {base!r}; it must be as_built or held"])
     if spin_at_start(checked):
-        assembly = assemble(checked, listed(rigid), listed(flexible), large_deformation=None)
+        assembly = assemble(checked, posed.rigid, posed.flexible, large_deformation=None)
         for sentence in unstiffened_spins(checked, assembly, until=0.0):
             warn(message("W-spin", sentence))
-    found = find_modes(
-        checked,
-        listed(rigid),
-        listed(flexible),
-        target,
-        as_posed,
-        at_least(count, 1, "count"),
-        held=base == "held",
-    )
+    found = find_modes(*posed, as_posed, at_least(count, 1, "count"), held=base == "held")
     if as_posed:
-        _tell_of_posing(checked, rigid, flexible, target, found.unbalanced)
+        _tell_of_posing(posed, found.unbalanced)
     for sentence in default_joint_warnings(checked, found.model, found.shapes):
         warn(message("W-joint-stiffness", sentence))
     return found
@@ -176,20 +168,10 @@ def appendage(
     """
     from ..analysis.appendage.model import find_appendages
 
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    found = find_appendages(
-        checked,
-        listed(rigid),
-        listed(flexible),
-        target,
-        as_posed,
-        hold,
-        listed(points),
-        at_least(count, 1, "count"),
-    )
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    found = find_appendages(*posed, as_posed, hold, listed(points), at_least(count, 1, "count"))
     if as_posed:
-        _tell_of_posing(checked, rigid, flexible, target, found[0].unbalanced)
+        _tell_of_posing(posed, found[0].unbalanced)
     return found
 
 
@@ -248,15 +230,15 @@ def frequency_response(
         raise SceneError(
             [f"low is {first:g} and high {last:g} Hz; give low, {ZERO_FREQUENCY:g} Hz at least, below high"]
         )
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    model = scene_model(*posed, as_posed)
     if as_posed:
-        _tell_of_posing(checked, rigid, flexible, target, model.unbalanced)
+        _tell_of_posing(posed, model.unbalanced)
     frequencies = frequency_grid(model, first, last, at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, listed(points), frequencies)
     free = not model.is_grounded
-    return FrequencyResponse(checked.header.name, target, free, excite, frequencies, tuple(found))
+    name = posed.scene.header.name
+    return FrequencyResponse(name, posed.configuration, free, excite, frequencies, tuple(found))
 
 
 def equilibrium(
@@ -289,10 +271,8 @@ def equilibrium(
     from ..analysis.equilibrium import equilibrium as find
     from ..analysis.equilibrium import lines_held
 
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    held = lines_held(checked, target, hold, ())
-    return find(checked, listed(rigid), listed(flexible), target, held, preload)[1]
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    return find(*posed, lines_held(posed.scene, posed.configuration, hold, ()), preload)[1]
 
 
 def quasi_static(
@@ -341,11 +321,9 @@ def quasi_static(
     for way in ways:
         if way.start == way.end:
             raise SceneError([f"the sweep of {way.line} begins and ends at the same angle"])
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    held = lines_held(checked, target, hold, ways)
-    count = at_least(steps, 1, "steps")
-    return find(checked, listed(rigid), listed(flexible), target, held, ways, count)
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    held = lines_held(posed.scene, posed.configuration, hold, ways)
+    return find(*posed, held, ways, at_least(steps, 1, "steps"))
 
 
 def torque_margin(
@@ -432,12 +410,10 @@ def restart(
         shares of the travel or angles of the first line with a motor, such as ``("25%", "45 deg")``
     cases : sequence of str
         see `torque_margin`
-    until : float or str, optional
-        end time, s; by default that of the scene
     folder : str or Path, optional
         folder of the results; by default they are not kept
-    progress : bool or callable, optional
-        progress bar; by default only in notebooks
+    until, progress
+        see `simulate`
 
     Returns
     -------
@@ -517,7 +493,7 @@ def wing_latch_tuning(
     line : str
         hinge line with the latch
     frequency : float or str, optional
-        target frequency, Hz; by default the lowest mode of the flexible wing in the direction of the rigid mode
+        target frequency, in Hz; by default the lowest mode of the flexible wing in the direction of the rigid mode
     rigid, flexible : str or sequence of str
         see `modes`
 
@@ -570,12 +546,10 @@ def mode_study(
         body whose number of modes varies; required if several bodies are flexible
     counts : sequence of int
         numbers of fixed-interface modes; the largest is the reference
-    rigid, flexible, tolerance
+    rigid, flexible, tolerance, progress
         see `simulate`
     folder : str or Path, optional
         folder of the results; by default they stay in memory
-    progress : bool or callable, optional
-        progress bar; by default only in notebooks
 
     Returns
     -------
@@ -606,12 +580,10 @@ def step_study(
         scene, or its name or file
     steps : sequence of float
         constant communication step sizes, in seconds; the smallest is the reference
-    rigid, flexible, tolerance
+    rigid, flexible, tolerance, progress
         see `simulate`
     folder : str or Path, optional
         folder of the results; by default they stay in memory
-    progress : bool or callable, optional
-        progress bar; by default only in notebooks
 
     Returns
     -------
@@ -712,43 +684,52 @@ def impacts(result: ResultLike) -> list[Impact]:
     return find(opened(result))
 
 
-def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
-    """The checked scene; a FanfoldWarning for each omission of the analysis, and for a base that starts rotated.
+class _Posed(NamedTuple):
+    """A checked scene, its models of bodies and its configuration: what analyses of small motion begin with."""
+
+    scene: CheckedScene
+    rigid: tuple[str, ...]
+    flexible: tuple[str, ...]
+    configuration: Configuration
+
+
+def _posed(
+    scene: SceneLike,
+    rigid: Names,
+    flexible: Names,
+    named: Named,
+    angles: Angles | None,
+    latched: Names | None,
+    *,
+    spinning: bool = False,
+) -> _Posed:
+    """A scene in a configuration; a FanfoldWarning for each omission of the analysis, and for a base rotated at start.
 
     spinning: the analysis linearises about the steady spin of a base.
     """
-    from ..validity.small_motion import left_out
-
-    checked = as_scene(scene).check_one_run()
-    for sentence in coded("W-base-turned", turned_from_the_world(checked)):
-        warn(sentence)
-    for sentence in coded("W-modes-omitted", left_out(checked, listed(rigid), spinning)):
-        warn(sentence)
-    return checked
-
-
-def _tell_of_posing(
-    scene: CheckedScene, rigid: Names, flexible: Names, target: Configuration, unbalanced: tuple[float, float]
-) -> None:
-    """Warn if frequencies as posed, with this unbalanced load, differ from those in equilibrium."""
-    from ..analysis.modes import posing_sentence
-
-    if sentence := posing_sentence(scene, listed(rigid), listed(flexible), target, unbalanced):
-        warn(message("W-modes-omitted", sentence))
-
-
-def _configuration(
-    scene: CheckedScene, named: Named, angles: Angles | None, latched: Names | None
-) -> Configuration:
     from ..assembly.statics.configuration import configuration
+    from ..validity.small_motion import left_out
 
     if named not in ("stowed", "deployed", "current"):
         raise SceneError(
             [f"there is no configuration {named!r}; configurations are stowed, deployed and current"]
         )
+    checked = as_scene(scene).check_one_run()
+    for sentence in coded("W-base-turned", turned_from_the_world(checked)):
+        warn(sentence)
+    for sentence in coded("W-modes-omitted", left_out(checked, listed(rigid), spinning)):
+        warn(sentence)
     given = by_line(angles or {}, "angles", '{"HL1": "45 deg"}')
     turned = {line: _angle(line, angle) for line, angle in given.items()}
-    return configuration(scene, named, turned, latched)
+    return _Posed(checked, listed(rigid), listed(flexible), configuration(checked, named, turned, latched))
+
+
+def _tell_of_posing(posed: _Posed, unbalanced: tuple[float, float]) -> None:
+    """Warn if frequencies as posed, with this unbalanced load, differ from those in equilibrium."""
+    from ..analysis.modes import posing_sentence
+
+    if sentence := posing_sentence(*posed, unbalanced):
+        warn(message("W-modes-omitted", sentence))
 
 
 def _angle(line: str, angle: Quantity) -> float:

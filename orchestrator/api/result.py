@@ -117,9 +117,7 @@ class Result(Record):
 
     @property
     def _messages(self) -> tuple[str, ...]:
-        return tuple(
-            dict.fromkeys((*self.stored_messages, *self.headline.open_ends(), *self.headline.messages))
-        )
+        return key_figures.messages(self, self.headline)
 
     def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
         """Repeat the run with steps halved and quartered: extrapolated value, error and order of every headline number.

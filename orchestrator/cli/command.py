@@ -100,7 +100,7 @@ def made_of(
     The handler takes a `scene` (loaded), the `choice` of one, or the file of a `result`; then the arguments of the
     functions, where there are any; then what it asks for itself, in place of parameters of the functions of that name.
 
-    changes: by parameter, arguments of `click.Option` in place of those that follow from the signature; flags: names of
+    changes: by parameter, arguments of `click.Option` in place of what follows from the signature; flags: names of
     the option, in one text; needs: the option without which this one has no effect; help: in place of the docstring's.
     """
 

@@ -20,30 +20,24 @@ if TYPE_CHECKING:
     from ..api.result import Result
     from ..results.compare import Comparison
 
-_NUMBER = 7
 _DIFFERENCES = 12
 
 
 def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     """The comparison as a table for a terminal; A and B are the two results."""
-    from rich.text import Text
-
     from ..results.compare import cells
-    from .tables import plain_table
+    from .tables import table_of
 
-    table = plain_table(f"A = {names[0]}, B = {names[1]}")
-    table.add_column("quantity, of")
-    for heading in ("A", "B", "B / A", "at A, s", "shift, s"):
-        table.add_column(heading, justify="right", min_width=_NUMBER)
-    table.add_column("unit", no_wrap=True)
+    rows = []
     previous = ""
     for row in found.rows:
         a, b, ratio, time_a, _, shift, unit = cells(row)
         if row.quantity != previous:
-            table.add_row(Text(row.quantity, style="bold"))
-        table.add_row(f"  {row.of}", a, b, ratio, time_a, shift, unit)
+            rows.append((row.quantity, *[""] * 6))
+        rows.append((f"  {row.of}", a, b, ratio, time_a, shift, unit))
         previous = row.quantity
-    return table
+    headings = ("quantity, of", "A", "B", "B / A", "at A, s", "shift, s", "unit")
+    return table_of(f"A = {names[0]}, B = {names[1]}", headings, rows, ("quantity, of", "unit"))
 
 
 @made_of(name="compare")

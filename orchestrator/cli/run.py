@@ -142,15 +142,13 @@ def report(result: Result, verified: list[Verified] | None, *, every: bool = Fal
 
 
 def _verification_table(verified: list[Verified]) -> Table:
-    from rich.table import Table
+    from .tables import table_of
 
-    table = Table(title="verification with halved and quartered steps")
-    table.add_column("number", overflow="fold")
-    for heading in ("value", "extrapolated", "error", "order"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("unit")
+    rows = []
     for v in verified:
         order = "" if v.order is None else f"{v.order:.2f}"
         numbers = (f"{v.number.value:.7g}", f"{v.extrapolated:.7g}", f"{v.error:.2g}", order)
-        table.add_row(v.number.id, *numbers, "" if v.number.unit == "1" else v.number.unit)
-    return table
+        rows.append((v.number.id, *numbers, "" if v.number.unit == "1" else v.number.unit))
+    headings = ("number", "value", "extrapolated", "error", "order", "unit")
+    title = "verification with halved and quartered steps"
+    return table_of(title, headings, rows, ("number", "unit"))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from math import floor, log10
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
@@ -197,23 +197,21 @@ def _tail(name: str, room: int) -> str:
 
 def _shares(study: Study) -> Table | None:
     """Table of shares of variance, if the samples determine them."""
-    from rich.table import Table
+    from .tables import table_of
 
-    table = Table(title="share of variance by parameter, in %: alone / with interactions")
-    table.add_column("number")
-    for name in study.parameters:
-        table.add_column(name, justify="right")
+    rows = []
     for number in study.main_numbers:
         moved = study.influence(number)
         if moved is not None and moved.shares is not None:
             pairs = (moved.shares[name] for name in study.parameters)
-            table.add_row(number, *(f"{100 * alone:.1f} / {100 * total:.1f}" for alone, total in pairs))
-    return table if table.row_count else None
+            rows.append((number, *(f"{100 * alone:.1f} / {100 * total:.1f}" for alone, total in pairs)))
+    title = "share of variance by parameter, in %: alone / with interactions"
+    return table_of(title, ("number", *study.parameters), rows, ("number",)) if rows else None
 
 
 def _table(study: Study, width: int) -> Table:
     """Headline numbers in at most so many columns, each with the key that it is most sensitive to."""
-    from .tables import plain_table
+    from .tables import table_of
 
     # designs of worst cases have no quantiles, but a worst case
     spread = ("5 %", "median", "95 %") if study.plan.is_random else ("lowest", "sample", "highest", "sample")
@@ -227,14 +225,9 @@ def _table(study: Study, width: int) -> Table:
         max(map(len, column)) for column in zip(headings[:-1], *(row[:-1] for row in rows), strict=True)
     ]
     room = max(_LEAST_ROOM, width - sum(widths) - 2 * len(headings))
-    runs = int(study.finished.sum())
-    table = plain_table(f"{study.scene}: {runs} runs, {', '.join(study.parameters)}")
-    for heading in headings:
-        justify: Literal["left", "right"] = "right" if heading in spread else "left"
-        table.add_column(heading, justify=justify, no_wrap=heading != "number")
-    for row in rows:
-        table.add_row(*row[:-1], _tail(row[-1], room))
-    return table
+    title = f"{study.scene}: {int(study.finished.sum())} runs, {', '.join(study.parameters)}"
+    cells = ((*row[:-1], _tail(row[-1], room)) for row in rows)
+    return table_of(title, headings, cells, ("number", "unit", _SENSITIVE))
 
 
 def _spread(study: Study, name: str) -> list[str]:

@@ -68,16 +68,19 @@ def _shown(most: int) -> Iterator[Callable[[int, float], None]]:
 
 
 def _report(found: Tuned) -> None:
-    from .tables import plain_table, terminal
+    from .tables import table_of, terminal
 
     console = terminal()
-    table = plain_table(f"{found.scene}: {found.runs} runs")
-    for heading in ("", "start", "found", "wanted", "unit"):
-        table.add_column(heading, justify="left" if heading in ("", "unit") else "right")
-    for name, value in found.values.items():
-        table.add_row(name, f"{found.start[name]:.6g}", f"{value:.6g}", "", found.units[name])
-    for one in found.numbers:
-        table.add_row(one.number, f"{one.start:.6g}", f"{one.found:.6g}", f"{one.wanted:.6g}", one.unit)
+    rows = [
+        (name, f"{found.start[name]:.6g}", f"{value:.6g}", "", found.units[name])
+        for name, value in found.values.items()
+    ]
+    rows += [
+        (one.number, f"{one.start:.6g}", f"{one.found:.6g}", f"{one.wanted:.6g}", one.unit)
+        for one in found.numbers
+    ]
+    headings = ("", "start", "found", "wanted", "unit")
+    table = table_of(f"{found.scene}: {found.runs} runs", headings, rows, ("", "unit"))
     console.print(table)
     console.print(
         f"{'Targets met' if found.reached else 'Targets NOT met'}: largest relative difference "

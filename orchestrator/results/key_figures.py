@@ -334,6 +334,11 @@ class Headline:
                 yield Number(max_of(variable), name, high, "N")
 
 
+def messages(result: Result, found: Headline) -> tuple[str, ...]:
+    """Messages of a run, of lines that have not opened, and on the accuracy of numbers; each once."""
+    return tuple(dict.fromkeys((*result.stored_messages, *found.open_ends(), *found.messages)))
+
+
 def headline(result: Result) -> Headline:
     """Headline numbers of a result; what a scene does not have is left empty."""
     times = latch_times(result)

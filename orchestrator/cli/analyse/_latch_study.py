@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from ...analysis.studies import Case, LatchStudy
 
-_NUMBER = 7
-
 
 def report_study(
     study: LatchStudy, folder: Path, content: Mapping[str, object] | None, further: Iterable[Table] = ()
@@ -39,24 +37,15 @@ def report_study(
 def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
     """Latch times and latch torque peaks of every case, with their differences from the reference."""
     from ...analysis.studies import latch_rows
-    from ..tables import plain_table
+    from ..tables import table_of
 
-    table = plain_table(title)
-    table.add_column("case")
-    for heading in (
-        "line",
-        "latch-up, s",
-        "change, s",
-        "peak, N.m",
-        "change, %",
-        "steps",
-    ):
-        table.add_column(heading, justify="right", min_width=_NUMBER)
+    rows = []
     for case in cases:
         first = True
         for line, time, shift, peak, change in latch_rows(case, reference):
             steps = str(case.outcome.costs.steps) if first else ""
             name = case.label if first else ""
-            table.add_row(name, line, f"{time:.6f}", f"{shift:+.2e}", f"{peak:.5g}", f"{change:+.3f}", steps)
+            rows.append((name, line, f"{time:.6f}", f"{shift:+.2e}", f"{peak:.5g}", f"{change:+.3f}", steps))
             first = False
-    return table
+    headings = ("case", "line", "latch-up, s", "change, s", "peak, N.m", "change, %", "steps")
+    return table_of(title, headings, rows, ("case",))

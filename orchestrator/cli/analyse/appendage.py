@@ -51,27 +51,22 @@ def command(scene: Scene, asked: Asked, save: OutputFile | None = None, as_json:
 
 
 def _print(found: Appendage) -> None:
-    from ..tables import plain_table, terminal
+    from ..tables import table_of, terminal
 
-    table = plain_table(f"appendage about {found.point}; effective masses, kg and kg.m2")
-    for heading, width in (
-        ("mode", 5),
-        ("freq.,\nHz", 7),
-        ("damp.,\n%", 6),
-        *((axis, 6) for axis in DIRECTIONS),
-    ):
-        table.add_column(heading, justify="right", no_wrap=True, min_width=width)
     least = _SMALLEST_SHARE * found.rigid_mass.diagonal()
     modes = zip(found.frequency, found.damping_ratio, found.effective_mass, strict=True)
+    rows = []
     for k, (frequency, ratio, masses) in enumerate(modes, start=1):
         shown = ("0" if mass < small else f"{mass:.3g}" for mass, small in zip(masses, least, strict=True))
-        table.add_row(f"{k}", f"{frequency:.5g}", f"{100.0 * ratio:.3g}", *shown)
+        rows.append((f"{k}", f"{frequency:.5g}", f"{100.0 * ratio:.3g}", *shown))
     for name, matrix in (("left", found.residual_mass), ("rigid", found.rigid_mass)):
         shown = (
             "0" if mass < small else f"{mass:.4g}"
             for mass, small in zip(matrix.diagonal(), least, strict=True)
         )
-        table.add_row(name, "", "", *shown)
+        rows.append((name, "", "", *shown))
+    title = f"appendage about {found.point}; effective masses, kg and kg.m2"
+    table = table_of(title, ("mode", "freq.,\nHz", "damp.,\n%", *DIRECTIONS), rows)
     console = terminal()
     console.print(table)
     center = ", ".join(f"{x:.4g}" for x in found.center_of_mass)

@@ -45,13 +45,8 @@ def command(scene: Scene, as_json: bool = False) -> None:
     if as_json:
         click.echo(json.dumps(asdict(found) | derived | {"warnings": found.warnings}))
         return
-    from ..tables import plain_table, terminal
+    from ..tables import table_of, terminal
 
-    table = plain_table("constraints")
-    table.add_column("")
-    table.add_column("")
-    for row in _rows(found):
-        table.add_row(*row)
-    terminal().print(table)
+    terminal().print(table_of("constraints", ("", ""), _rows(found), ("",)))
     for sentence in found.warnings:
         click.echo(f"Warning: {sentence}", err=True)

@@ -50,22 +50,19 @@ def command(scene: Scene, asked: Asked, plot: Picture | None = None, as_json: bo
 
 
 def _print(found: FrequencyResponse) -> None:
-    from rich.table import Table
-
     from ...analysis.frequency_response import peaks
-    from ..tables import terminal
+    from ..tables import table_of, terminal
 
-    table = Table(title=f"largest resonances, base driven in {found.excitation}")
-    for heading in ("output", "unit"):
-        table.add_column(heading, no_wrap=True)
-    for heading in ("frequency, Hz", "magnitude"):
-        table.add_column(heading, justify="right")
+    rows = []
     for response in found.responses:
         found_peaks = peaks(found.frequencies, response.values)
         if not found_peaks:
-            table.add_row(response.name, response.unit, "none", "")
+            rows.append((response.name, response.unit, "none", ""))
         for frequency, size in found_peaks:
-            table.add_row(response.name, response.unit, f"{frequency:.5g}", f"{size:.5g}")
+            rows.append((response.name, response.unit, f"{frequency:.5g}", f"{size:.5g}"))
+    headings = ("output", "unit", "frequency, Hz", "magnitude")
+    title = f"largest resonances, base driven in {found.excitation}"
+    table = table_of(title, headings, rows, ("output", "unit"))
     console = terminal()
     console.print(table)
     console.print(str(found.configuration))

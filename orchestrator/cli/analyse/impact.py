@@ -19,17 +19,14 @@ if TYPE_CHECKING:
 
     from ...analysis.impact import Impact
 
-_NUMBER = 7
-
 
 def impact_table(found: list[Impact], angular: bool) -> Table:
     """For people: those of contacts, or of end stops."""
-    from ..tables import plain_table
+    from ..tables import table_of
 
-    table = plain_table("impacts in end stops" if angular else "impacts")
-    table.add_column("end stop" if angular else "contact")
-    way, load = ("mrad", "N.m") if angular else ("mm", "N")
-    for heading in (
+    what, way, load = ("end stop", "mrad", "N.m") if angular else ("contact", "mm", "N")
+    headings = (
+        what,
         "at, s",
         "for, ms",
         f"closing, {way}/s",
@@ -37,14 +34,13 @@ def impact_table(found: list[Impact], angular: bool) -> Table:
         f"impulse, {load}.s",
         f"deepest, {way}",
         "lost, mJ",
-    ):
-        table.add_column(heading, justify="right", min_width=_NUMBER)
+    )
+    rows = []
     for k in (impact for impact in found if impact.angular == angular):
         values = (1e3 * k.duration, 1e3 * k.closing_speed, k.peak_force, k.impulse, 1e3 * k.deepest)
-        table.add_row(
-            k.contact, f"{k.start:.4f}", *(f"{value:.4g}" for value in values), f"{1e3 * k.dissipated:.3g}"
-        )
-    return table
+        shown = (f"{value:.4g}" for value in values)
+        rows.append((k.contact, f"{k.start:.4f}", *shown, f"{1e3 * k.dissipated:.3g}"))
+    return table_of("impacts in end stops" if angular else "impacts", headings, rows, (what,))
 
 
 @made_of("impacts", name="impact")

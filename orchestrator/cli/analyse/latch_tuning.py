@@ -62,28 +62,24 @@ def _of_wing(found: WingTuning) -> str:
 
 
 def _print(tuning: Tuning) -> None:
-    from rich.table import Table
+    from ..tables import table_of, terminal
 
-    from ..tables import terminal
-
-    table = Table(title=f"latch spring of {tuning.line}")
-    table.add_column("quantity")
-    table.add_column("value", justify="right")
-    table.add_column("unit")
     inboard, outboard = tuning.inertias
-    fixed = not isfinite(inboard)
-    inner, unit = ("fixed", "") if fixed else (f"{inboard:.6g}", "kg.m2")
-    table.add_row("inertia about the line, inboard", inner, unit)
-    table.add_row("inertia about the line, outboard", f"{outboard:.6g}", "kg.m2")
-    table.add_row("effective inertia", f"{tuning.inertia:.6g}", "kg.m2")
-    table.add_row("target frequency", f"{tuning.frequency:.7g}", "Hz")
+    inner = (f"{inboard:.6g}", "kg.m2") if isfinite(inboard) else ("fixed", "")
+    rows = [
+        ("inertia about the line, inboard", *inner),
+        ("inertia about the line, outboard", f"{outboard:.6g}", "kg.m2"),
+        ("effective inertia", f"{tuning.inertia:.6g}", "kg.m2"),
+        ("target frequency", f"{tuning.frequency:.7g}", "Hz"),
+    ]
     if tuning.overlap is not None:
-        table.add_row("rotation of the line in that mode", f"{100.0 * tuning.overlap:.2f}", "%")
+        rows.append(("rotation of the line in that mode", f"{100.0 * tuning.overlap:.2f}", "%"))
     stiffnesses = {"total": tuning.total, "structure": tuning.structure, "hinges": tuning.hinges}
     for what, value in stiffnesses.items():
         if value is not None:
-            table.add_row(f"{what} stiffness", f"{value:.7g}", "N.m/rad")
             per_hinge = value / tuning.springs * pi / 180.0
-            table.add_row(f"{what} stiffness, each of {tuning.springs}", f"{per_hinge:.6g}", "N.m/deg")
-    table.add_row("check: frequency of the rigid pair", f"{tuning.check:.7g}", "Hz")
-    terminal().print(table)
+            rows.append((f"{what} stiffness", f"{value:.7g}", "N.m/rad"))
+            rows.append((f"{what} stiffness, each of {tuning.springs}", f"{per_hinge:.6g}", "N.m/deg"))
+    rows.append(("check: frequency of the rigid pair", f"{tuning.check:.7g}", "Hz"))
+    title = f"latch spring of {tuning.line}"
+    terminal().print(table_of(title, ("quantity", "value", "unit"), rows, ("quantity", "unit")))

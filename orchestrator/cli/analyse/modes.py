@@ -56,22 +56,19 @@ def command(
 
 
 def _print(found: Modes) -> None:
-    from ..tables import plain_table, terminal
+    from ..tables import table_of, terminal
 
     with_masses = found.base != "free" and not found.turns
     words = "; effective masses in % of the rigid-body masses" if with_masses else ""
-    table = plain_table(f"normal modes, {_BASES[found.base]}{words}")
-    table.add_column("mode", justify="right", no_wrap=True)
-    table.add_column("freq.,\nHz", justify="right", min_width=7)
-    table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
-    for heading in DIRECTIONS if with_masses else ():
-        table.add_column(heading, justify="right", min_width=4, no_wrap=True)
-    table.add_column("dominant body,\n% of kinetic energy")
+    body = "dominant body,\n% of kinetic energy"
+    rows = []
     for mode in found.listed:
         masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if with_masses)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
-        table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}")
+        rows.append((f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}"))
+    headings = ("mode", "freq.,\nHz", "damp.,\n%", *(DIRECTIONS if with_masses else ()), body)
+    table = table_of(f"normal modes, {_BASES[found.base]}{words}", headings, rows, (body,))
     console = terminal()
     console.print(table)
     console.print(str(found.configuration))

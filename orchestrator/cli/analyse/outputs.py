@@ -14,8 +14,6 @@ from ...api.options import OutputFile
 from ..command import Asked, made_of
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...analysis.stress.outputs import BodyOutputs
 
 
@@ -31,21 +29,16 @@ def command(result: Path, asked: Asked, output: OutputFile | None = None) -> Non
         CSV file with all recorded times; by default BODY_outputs.csv in a folder named after RESULT
     """
     found = fanfold.body_outputs(result, **asked["body_outputs"])
-    from ..tables import terminal
+    from ..tables import table_of, terminal
 
-    terminal().print(_table(found))
+    title = f"{found.body}: extremes over {found.time.size} recorded times"
+    headings = ("output", "unit", "smallest", "at, s", "largest", "at, s")
+    rows = (
+        (label, unit, f"{low:.6g}", f"{first:.5f}", f"{high:.6g}", f"{last:.5f}")
+        for label, unit, low, first, high, last in found.extremes()
+    )
+    terminal().print(table_of(title, headings, rows, ("output", "unit")))
     click.echo(_write(found, Path(output or result.with_suffix("") / f"{found.body}_outputs.csv")))
-
-
-def _table(found: BodyOutputs) -> Table:
-    from rich.table import Table
-
-    table = Table(title=f"{found.body}: extremes over {found.time.size} recorded times")
-    for name in ("output", "unit", "smallest", "at, s", "largest", "at, s"):
-        table.add_column(name, justify="left" if name in ("output", "unit") else "right")
-    for label, unit, low, first, high, last in found.extremes():
-        table.add_row(label, unit, f"{low:.6g}", f"{first:.5f}", f"{high:.6g}", f"{last:.5f}")
-    return table
 
 
 def _write(found: BodyOutputs, path: Path) -> Path:

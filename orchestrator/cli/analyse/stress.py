@@ -15,9 +15,7 @@ from ...api.options import Folder
 from ..command import Asked, made_of
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
-    from ...analysis.stress.hot_spots import HotSpot, PanelStress
+    from ...analysis.stress.hot_spots import HotSpot
 
 _COLUMNS = ("rank", "von Mises, MPa", "node", "face", "time, s", "x, m", "y, m", "insert")
 
@@ -41,10 +39,12 @@ def command(result: Path, asked: Asked, output: Folder | None = None) -> None:
     found = fanfold.stress(result, **asked["stress"])
     opened = found.result
     from ..picture_list import pictures
-    from ..tables import terminal
+    from ..tables import table_of, terminal
 
     console = terminal()
-    console.print(_table(found))
+    title = f"{found.body}: hot spots of the von Mises stress, {found.radius:g} m apart"
+    rows = (spot.row(rank) for rank, spot in enumerate(found.hot_spots, 1))
+    console.print(table_of(title, _COLUMNS, rows, ("face", "insert")))
     console.print(
         f"{len(found.stress.recovery.nodes)} of {len(found.stress.plate.positions)} nodes, "
         f"{opened.time.size} recorded times up to {opened.time[-1]:g} s"
@@ -55,17 +55,6 @@ def command(result: Path, asked: Asked, output: Folder | None = None) -> None:
     drawn = pictures(found, output, folder)
     for path in (_write_table(folder, found.body, found.hot_spots), *drawn):
         click.echo(path)
-
-
-def _table(found: PanelStress) -> Table:
-    from rich.table import Table
-
-    table = Table(title=f"{found.body}: hot spots of the von Mises stress, {found.radius:g} m apart")
-    for name in _COLUMNS:
-        table.add_column(name, justify="left" if name in ("face", "insert") else "right")
-    for rank, spot in enumerate(found.hot_spots, 1):
-        table.add_row(*spot.row(rank))
-    return table
 
 
 def _write_table(folder: Path, body: str, spots: Sequence[HotSpot]) -> Path:
