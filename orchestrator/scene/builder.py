@@ -316,10 +316,11 @@ class Scene:
         entry = _plain(f"{self._layers.file}: {key}.{keys['name']}", keys)
         with_absolute_files({key: [entry]}, Path.cwd())
         whole, unlike = resolved({key: [*self._layers.tree.get(key, ()), entry]})
+        whole, unmerged = with_entries({key: whole[key][-1:]})
         if not unlike:  # what it is like may follow
-            reader = EntryReader(with_entries({key: whole[key][-1:]}), ())
+            reader = EntryReader(whole, ())
             reader.tables(key, model)
-            self._refuse(reader.problems)
+            self._refuse([problem for found in unmerged.values() for problem in found] or reader.problems)
         self._layers.tree.setdefault(key, []).append(entry)
         self._checked = None
         return str(entry["name"])

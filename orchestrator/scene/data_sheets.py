@@ -18,7 +18,7 @@ from components.contract.component import ComponentError
 
 from .body_tables import Body
 from .layers import Tree, merged
-from .table import BodyError
+from .table import BodyError, SceneError
 from .validation import EntryReader
 
 _LIKE, _TEMPLATE = "like", "template"
@@ -99,18 +99,23 @@ def check_entry(name: str) -> None:
         raise BodyError([f"catalogue: there is no entry {name!r}; entries are {', '.join(entries())}"])
 
 
-def with_entries(tree: Tree) -> Tree:
-    """The tree where bodies have the tables of their entries in the catalogue, with their changes."""
+def with_entries(tree: Tree) -> tuple[Tree, dict[str, list[str]]]:
+    """The tree where bodies have the tables of their entries, and by body the changes that cannot be merged."""
     bodies = tree.get("body")
     if not isinstance(bodies, list):
-        return tree
-    return {**tree, "body": [merged(_entry_of(body), body) if _entry_of(body) else body for body in bodies]}
-
-
-def _entry_of(body: object) -> Tree:
-    """Table of the entry that a body of a scene names, empty where there is none."""
-    name = body.get("catalogue") if isinstance(body, dict) else None
-    return entry_table(name) if isinstance(name, str) and name in entries() else {}
+        return tree, {}
+    whole: list[object] = []
+    problems: dict[str, list[str]] = {}
+    for body in bodies:
+        name = body.get("catalogue") if isinstance(body, dict) else None
+        try:
+            below = entry_table(name) if isinstance(name, str) and name in entries() else {}
+            whole.append(merged(below, body) if below else body)
+        except SceneError as error:
+            whole.append(body)
+            place = str(body.get("name"))
+            problems[place] = [f"body.{place}.{problem}" for problem in error.problems]
+    return {**tree, "body": whole}, problems
 
 
 def _lineage(name: str) -> Iterator[Tree]:

@@ -193,7 +193,9 @@ def _checked(
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
     unloaded = list(loading.problems(plugins))
-    reader = EntryReader(with_entries(with_presets(whole)), added)
+    whole, unmerged = with_entries(with_presets(whole))
+    unlike |= unmerged
+    reader = EntryReader(whole, added)
     reader.note(unloaded)
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in mistyped)

@@ -16,10 +16,11 @@ __all__ = ["body", "built", "entries", "entry", "entry_table"]
 
 def body(tables: Mapping[str, object]) -> Body:
     """The body that a scene has by these tables; SceneError with everything that is wrong with them."""
-    reader = EntryReader(with_entries({"body": [{"name": "b", **tables}]}), ())
+    tree, unmerged = with_entries({"body": [{"name": "b", **tables}]})
+    reader = EntryReader(tree, ())
     found = reader.tables("body", Body).sound
-    if reader.problems:
-        raise SceneError([problem.removeprefix("body.b").removeprefix(".") for problem in reader.problems])
+    if problems := unmerged.get("b", reader.problems):
+        raise SceneError([problem.removeprefix("body.b").removeprefix(".") for problem in problems])
     return found[0]
 
 

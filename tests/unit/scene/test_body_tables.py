@@ -155,6 +155,10 @@ WHOLE = {
         {"catalogue": "amos3_yoke", "frame": {"members": [{"name": "bar", "elements": 0}, {"name": "new"}]}},
         ["frame.members.bar.elements", "frame.members.new.joints"],
     ),
+    "a change of no entry": (
+        {"catalogue": "amos3_yoke", "frame": {"members": [{"name": "strut", "remove": True}], "nodes": 3}},
+        ["frame.members.strut"],
+    ),
     "no layer": ({"panel": of_layers({**LAYER, "thickness": 0, "modulus": 1.0})}, [
         "panel.layers[1].thickness", "panel.layers[1].modulus",
     ]),
