@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 
 CODES = {
     "W-attitude": "the spacecraft turns by more than a full turn, which its rotation vector cannot show",
-    "W-backend": "an FMU cannot do what was asked for, and something slower or less safe replaces it",
+    "W-backend": "an FMU cannot do what was asked for, and something slower replaces it",
     "W-base-turned": "the base is turned at the start, while places and axes are those of the world",
     "W-beam-data": "a beam's section or mass is no beam's, probably a unit",
     "W-bent": "hinges bent across their line further than any hinge does",

@@ -52,6 +52,8 @@ class FmuProcess:
     """
 
     def __init__(self, longest_call: float = LONGEST_CALL, *, quiet: bool = False) -> None:
+        if not hasattr(select, "poll"):
+            raise HostError("an FMU cannot have a process of its own on this system")
         self._longest_call = longest_call
         self.is_sound = True
         self.said = ""

@@ -23,7 +23,6 @@ from ..scene.schema import SMALLEST_STEP
 from ..scene.signal_tables import Fmu
 from ..scene.table import SceneError
 from . import HingeLine, Part, Signal, SignalFmu
-from .array_elements import element, length
 from .events import scalar, tunable
 
 _NUMBERS = ("Real", "Float64", "Float32")
@@ -34,6 +33,7 @@ _FACTOR = 1e-6
 """By which factors of one unit may differ: those of angles are written with seven digits."""
 MEETS_RATES = "base_meets_rates"
 """Parameter of a scene as one FMU with a driven base."""
+_ELEMENT = re.compile(r"(.+)\[([1-9]\d*)\]")
 _ANGLE = re.compile(r"rad|deg|grad|°|gon|arc", re.IGNORECASE)
 """Names of angles. Many units say them by their name only, without an exponent of rad."""
 _IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
@@ -152,10 +152,10 @@ class _Reader:
         """A variable of the FMU; ValueError where it is none of these causalities, or no scalar."""
         of_them = [v.name for v in self._variables.values() if v.causality in causalities]
         variable = self._variables.get(name)
-        if variable is None and (found := element(name)) is not None:
-            array, place = found
+        if variable is None and (found := _ELEMENT.fullmatch(name)) is not None:
+            array, place = found[1], int(found[2]) - 1
             variable = self._variables.get(array)
-            size = length(variable) if variable is not None else None
+            size = _length(variable) if variable is not None else None
             if size is not None and place >= size:
                 raise ValueError(f"has no such element; {array} has {size}")
             of_them = [array] if size is not None else of_them
@@ -305,6 +305,14 @@ def _refuse_redefined(unit: str, base: Any) -> None:  # noqa: ANN401 - of FMPy
             f"is in {unit}, which the FMU defines as {said[0]:g} {powers} with an offset of {said[1]:g}; correct the "
             "definition, or call the unit by another name"
         )
+
+
+def _length(variable: Any) -> int | None:  # noqa: ANN401 - of FMPy
+    """Number of elements of a variable with one dimension that is fixed; None for any other."""
+    if len(variable.dimensions or ()) != 1:
+        return None
+    start = variable.dimensions[0].start
+    return int(start) if start else None
 
 
 def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy

@@ -40,6 +40,7 @@ def folder(tmp_path_factory):
         ("error", "inner"),
         ("much_talk", "root"),
         ("slow", "outer"),
+        ("printing", "base"),
     ],
 )
 def test_broken_fmu_breaks_its_own_process(folder, kind, owner):
