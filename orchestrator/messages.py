@@ -54,6 +54,7 @@ CODES = {
     "W-loop-data": "a cable loop's radii, axis or stiffness do not fit its lines",
     "W-membrane-mesh": "a membrane's mesh is coarse for its rims",
     "W-modes-omitted": "an analysis of small motion leaves something out",
+    "W-motion-reach": "a joint stays open where motions lead farthest",
     "W-motor-short": "a motor is weaker than friction and harness somewhere on the way",
     "W-no-end": "nothing ends a line's motion",
     "W-not-opened": "a line has not reached its latch, stop or deployed angle",

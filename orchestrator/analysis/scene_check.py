@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -17,6 +17,7 @@ from ..assembly.assemble import assemble
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
 from ..assembly.second_order import second_order_modes
+from ..messages import message
 from ..records import short_repr
 from ..scene import CheckedScene
 from ..scene.bodies import Attachment, StartPose, body_definition, body_model
@@ -148,14 +149,13 @@ def check_scene(
     }
     if scene.base.free is not None:
         models = {scene.base.name: scene.rigid_models[scene.base.name], **models}
-    deployed = {line.name: line.deployed_angle for line in scene.hinge_lines if not line.held}
-    far = scene.with_angles(deployed).extended
+    far = scene.deployed.extended
     return SceneCheck(
         scene=scene.header.name,
         problems=(),
         warnings=(
             *warnings_before_run(scene, assembly, [name for name, one in bends.items() if one]),
-            *_out_of_reach(scene, far),
+            *_out_of_reach(scene, far, bends),
         ),
         bodies=tuple(_bodies(scene, models, chosen, held, second)),
         lines=tuple(_line(scene, line, bends) for line in scene.hinge_lines),
@@ -180,18 +180,22 @@ def _agreements(scene: CheckedScene) -> dict[str, dict[str, str]]:
     }
 
 
-def _out_of_reach(scene: CheckedScene, far: Closed) -> list[str]:
-    """A sentence for where motions lead, if the joints that stay open there cannot follow.
+def _out_of_reach(scene: CheckedScene, far: Closed, bends: Mapping[str, bool]) -> Iterator[str]:
+    """A message about the joint that stays open farthest where motions lead, if its bodies are rigid.
 
     None where lines follow from others by loops, as where these lead them is not known.
     """
-    if not far.open_by or any(line.is_pivot and not line.held for line in scene.hinge_lines):
-        return []
-    name, size = max(far.open_by.items(), key=lambda item: item[1])
-    return [
-        f"connection.{name}: where all lines are deployed and motions are farthest from their start it stays open by "
-        f"{1e3 * size:.4g} mm (or mrad); check how far the laws of motions lead, and the lengths between points"
-    ]
+    if any(line.is_pivot and not line.held for line in scene.hinge_lines):
+        return
+    ports = {one.name: [seat.body for seat in one.ports.values()] for one in scene.connections}
+    rigid = [name for name in far.open_by if not any(bends.get(body, False) for body in ports[name])]
+    if name := max(rigid, key=lambda name: far.open_by[name], default=""):
+        yield message(
+            "W-motion-reach",
+            f"connection.{name}: where all lines are deployed and motions are farthest from their start it stays open "
+            f"by {1e3 * far.open_by[name]:.4g} mm (or mrad). Check how far the laws of motions lead, and the lengths "
+            "between points.",
+        )
 
 
 def _bodies(

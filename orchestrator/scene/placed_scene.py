@@ -135,7 +135,12 @@ class CheckedScene(SceneTables):
             has_free_base = self.base.free is not None
             try:
                 known[line.name] = line_inertia(
-                    free, self._carrying, self._carried_models, self._deployed, self.points, has_free_base
+                    free,
+                    self._carrying,
+                    self._carried_models,
+                    self.deployed.poses,
+                    self.points,
+                    has_free_base,
                 )
             except np.linalg.LinAlgError:
                 raise SceneError(
@@ -145,6 +150,11 @@ class CheckedScene(SceneTables):
                     ]
                 ) from None
         return known[line.name]
+
+    @cached_property
+    def deployed(self) -> Self:
+        """The scene with all lines that move at their deployed angle."""
+        return self.with_angles({k.name: k.deployed_angle for k in self.hinge_lines if not k.held})
 
     def with_angles(self, angles: Mapping[str, float]) -> Self:
         """The scene with other start angles (rad) by line."""
@@ -203,9 +213,3 @@ class CheckedScene(SceneTables):
         """Rigid models of all bodies that hinge lines carry, and of a free base."""
         placed = {body.name for body in self.bodies if body.place is not None}
         return {name: model for name, model in self.rigid_models.items() if name not in placed}
-
-    @cached_property
-    def _deployed(self) -> Mapping[str, StartPose]:
-        """Poses of the deployed array."""
-        angles = {k.name: k.initial_angle if k.held else k.deployed_angle for k in self.hinge_lines}
-        return self.with_angles(angles).poses
