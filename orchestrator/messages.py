@@ -65,7 +65,6 @@ CODES = {
     "W-preload": "the static equilibrium of the start changes a preload or a pose",
     "W-rail-start": "a rail starts off its plane, or has no stiffness",
     "W-redundant": "joints constrain the same motion more than once",
-    "W-restless": "the static search left motion at the start",
     "W-rigid-twin": "a flexible body and its rigid model have different masses",
     "W-signals": "a pattern matches no signal",
     "W-singular-start": "the scene starts in a singular position",

@@ -10,12 +10,12 @@ from fmus import PLATFORMS, Backend, Experiment, FmiVersion
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
+from ..assembly.statics.start import started_at_rest
 from ..messages import message
 from ..run import run
 from ..run.as_one.export import export_as_one
 from ..run.body_export import ExportedBody
 from ..run.body_export import export_body as _export_body
-from ..run.preload import started_at_rest
 from ..run.simulation import missing_backend
 from ..run.system_structure import check_ssp, write_ssp
 from ..scene.builder import Names, listed
@@ -117,8 +117,7 @@ def export(
         experiment = Experiment(assembly.until, assembly.largest_step, assembly.tolerance)
         paths = [export_as_one(assembly, Path(folder), experiment, driven_base, fmi, sources, wanted, watch)]
     else:
-        if assembly.preload:
-            assembly = _at_rest(assembly, assembled("mean"))
+        assembly = started_at_rest(assembly)
         step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
         experiment = Experiment(assembly.until, step)
         paths = run.export(
@@ -165,20 +164,6 @@ def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:
             ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
         )
     check_ssp(path)
-
-
-def _at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
-    """The assembly in the static equilibrium of the coupled one."""
-    if assembly.large_deformation:
-        names = ", ".join(assembly.large_deformation)
-        warn(
-            message(
-                "W-export",
-                f"{assembly.name}: large-deformation beams start without load, although preload bends them: "
-                f"{names}. Export them as modal bodies to start in equilibrium.",
-            )
-        )
-    return started_at_rest(assembly, coupled)
 
 
 def _tell_of_locks(assembly: Assembly) -> None:

@@ -65,9 +65,6 @@ class ExplicitMaster(CoSimulation):
                 f"{', '.join(locks)}: an explicit master cannot solve for a kinematic latch; assemble "
                 "the scene for endpoint wrenches, or use the implicit master"
             )
-        fixed = [p.name for p in self.network.participants if not p.can_restore]
-        if preload and fixed:
-            raise StepError(f"static preload needs FMUs that can return to a saved state; {fixed[0]} cannot")
         super().initialize(preload=preload)
         self._exchange()
 

@@ -234,8 +234,6 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
         yield message("W-step-divided", _divided(assembly, options.step, outcome))
     yield from coded("W-fmu-loop", sampled_loop_warnings(assembly, outcome.result))
     yield from outcome.headline.open_ends()
-    if outcome.restless:
-        yield message("W-restless", f"{assembly.name}: {outcome.restless}")
     yield from coded("W-preload", lost_preloads(assembly, outcome.result))
     yield from coded("W-preload", moved_starts(assembly, outcome.result))
     yield from coded("W-event", event_warnings(assembly, outcome.result))

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 from components import FanfoldError
 
 from ...assembly import Assembly
+from ...assembly.statics.start import static_start
 from ...cosim.fmu import FmuParticipant
 from ...cosim.native.library import library
 from ...cosim.network import Network
@@ -47,6 +48,8 @@ def run_beside(
     FanfoldError where one of them does not reach the end (s), or does not meet the events that the assembly meets.
     """
     _refuse_signals(assembly)
+    assembly = static_start(assembly).assembly
+    others = {name: static_start(other).assembly for name, other in others.items()}
     settings = replace(settings, progress=watch, driving=assembly.driving)
     beside = replace(settings, step_plan=_CHOOSES_NOTHING, progress=lambda time, h: None)
     with ExitStack() as stack:

@@ -20,6 +20,7 @@ from components.hinge import Hinge
 from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
 from ...assembly.locked_at_start import bolts_across, without_bolts
+from ...assembly.statics.start import static_start
 from ...cosim.master import Master
 from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, Participant, ParticipantError, Vector
@@ -170,15 +171,18 @@ def _torques(scene: CheckedScene, friction: FrictionKind, load: Loader) -> dict[
 @contextmanager
 def _equilibrium(assembly: Assembly, load: Loader) -> Iterator[dict[str, Participant]]:
     """Every FMU by name, in static equilibrium with all hinges held; RunError where there is none."""
-    with load(assembly) as participants:
+    # wherever lines are on their way, nothing else keeps them there
+    lines = tuple(replace(line, bolted=False) for line in assembly.hinge_lines)
+    try:
+        start = static_start(replace(assembly, hinge_lines=lines, preload=True)).assembly
+    except SceneError as error:
+        raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None
+    with load(start) as participants:
         try:
-            network = Network(participants, assembly.links)
-            # wherever lines are on their way, nothing else keeps them there
-            lines = [replace(line, bolted=False) for line in assembly.hinge_lines]
-            master = Master(network, lines, NoRecorder(), Settings())
-            master.initialize(preload=True)
+            network = Network(participants, start.links)
+            Master(network, lines, NoRecorder(), Settings()).initialize(preload=True)
         except (ParticipantError, NetworkError, StepError) as error:
-            raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None
+            raise RunError(f"{assembly.name}: {error}") from None
         yield {participant.name: participant for participant in participants}
 
 

@@ -208,15 +208,12 @@ def test_a_beam_beyond_its_range_is_a_sentence_and_keeps_its_rows(tmp_path):
     assert len(fanfold.Result.open(path).time) > 10
 
 
-def test_analyses_and_exports_say_what_they_leave_out(tmp_path):
-    """Messages: linear analyses take beams as modal bodies; exports start them without load; no stresses of sheets."""
+def test_analyses_say_what_they_leave_out():
+    """Messages: linear analyses take beams as modal bodies; no stresses of sheets."""
     scene = boom(fidelity="large_deformation")
     with pytest.warns(fanfold.FanfoldWarning, match="boom.*W-modes-omitted"):
         found = fanfold.modes(scene)
     assert found.frequencies == pytest.approx(fanfold.modes(boom()).frequencies, rel=1e-12)
-    preloaded = scene.with_settings({"scene.preload": True})
-    with pytest.warns(fanfold.FanfoldWarning, match="boom.*W-export"):
-        fanfold.export(preloaded, tmp_path, wrench_mode="mean")
     with pytest.warns(fanfold.FanfoldWarning):
         result = fanfold.simulate(scene, until=0.001, estimate=False)
     with pytest.raises(fanfold.FanfoldError, match="section_force and section_moment"):

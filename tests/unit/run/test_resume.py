@@ -95,13 +95,12 @@ def hung(side, pinned):
     return scene
 
 
-@pytest.mark.parametrize(("pinned", "settled"), [(False, True), (True, False)])
-def test_runs_that_start_in_equilibrium_resume(tmp_path, interruptions, pinned, settled):
+@pytest.mark.parametrize("pinned", [False, True])
+def test_runs_that_start_in_equilibrium_resume(tmp_path, interruptions, pinned):
     """Regression: bodies were built where they are written, joints were held, and "fmu.ball ... are not the same"."""
     whole = tmp_path / "whole.h5"
     fanfold.simulate(hung(5.0, pinned), checkpoint=0.05, save=whole, estimate=False)
     cut = interruptions[0]
-    assert Checkpoint.read(cut).settled == settled
     fanfold.resume(cut)
     assert_same_bits(whole, cut)
 
