@@ -34,7 +34,6 @@ the third a derivative of a number that is round-off is shown."""
         "commas change together; repeatable."
     ),
 )  # fmt: skip
-@click.option("--central", is_flag=True, help="Use central differences, for twice the cost.")
 @click.option(
     "--verify/--no-verify",
     default=True,
@@ -57,7 +56,6 @@ def command(
     choice: SceneChoice,
     large_deformation: frozenset[str],
     keys: tuple[str, ...],
-    central: bool,
     verify: bool,
     tolerance: float | None,
     until: float | None,
@@ -70,7 +68,6 @@ def command(
         keys,
         **choice.fidelities,
         large_deformation=large_deformation,
-        central=central,
         verify=verify,
         tolerance=tolerance,
         until=until,
