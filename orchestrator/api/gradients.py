@@ -17,7 +17,6 @@ def gradients(
     scene: SceneLike,
     keys: str | Sequence[str],
     *,
-    central: bool = False,
     verify: bool = True,
     rigid: Names = (),
     flexible: Names = (),
@@ -37,8 +36,6 @@ def gradients(
     keys : str or sequence of str
         such as ``["hinge_line.HL1.motor.stowed", "friction.coefficient"]``; a key that ends in ``*`` is a factor; keys
         separated by commas change together
-    central : bool
-        central differences, for twice the cost
     verify : bool
         `errors` include step-size errors, from a second run at a tenth of the tolerance, for twice the cost; without it
         loads may be wrong, even in sign
@@ -62,4 +59,4 @@ def gradients(
     end = options.until or loaded.check().header.until
     wanted = [keys] if isinstance(keys, str) else list(keys)
     with followed(chosen(progress), loaded.name, end) as watch:
-        return _gradients(loaded, options, wanted, central=central, verify=verify, watch=watch)
+        return _gradients(loaded, options, wanted, verify=verify, watch=watch)
