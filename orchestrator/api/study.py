@@ -104,7 +104,7 @@ def study(
     estimate : bool
         estimate the errors of headline numbers in every run
     signals : str or sequence of str
-        signals to keep, by patterns of COMPONENT.VARIABLE; a FanfoldWarning lists patterns without a match
+        signals to keep, by patterns of COMPONENT.VARIABLE; a warning lists patterns without a match
     points : int
         equally spaced times of these signals
     save : str or Path, optional

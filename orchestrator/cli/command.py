@@ -195,10 +195,11 @@ class _Command(click.Command):
         """UsageError where an option is given that acts only together with another."""
         context = click.get_current_context()
         flags = {str(one.name): one.opts[-1] for one in self.params}
-        for name, change in self._changes.items():
-            needed = str(change.get("needs", ""))
-            sources = [context.get_parameter_source(one) for one in (name, needed) if one]
-            if sources[:1] == [ParameterSource.COMMANDLINE] and sources[1:] not in ([], sources[:1]):
+        needs = {name: change["needs"] for name, change in self._changes.items() if "needs" in change}
+        for name, needed in needs.items():
+            sources = (context.get_parameter_source(one) for one in (name, needed))
+            is_given, has_other = (source is ParameterSource.COMMANDLINE for source in sources)
+            if is_given and not has_other:
                 raise click.UsageError(
                     f"{flags[name]} acts only together with {flags[needed]}; give both, or neither"
                 )

@@ -75,7 +75,7 @@ def _print_distributions() -> None:
 
     title = "distributions of `fanfold study --vary KEY=DISTRIBUTION`"
     headings = ("distribution", "meaning")
-    terminal().print(table_of(title, headings, FORMS.values(), headings))
+    terminal().print(table_of(title, headings, FORMS.values(), headings, headings[:1]))
 
 
 def _print_table(table: KeyTable) -> None:
@@ -91,9 +91,8 @@ def _print_table(table: KeyTable) -> None:
         for key in table.keys
     ]
     headings = ("key", "unit", "default", "meaning")
-    console.print(
-        table_of("keys", headings, ([cell.replace("`", "") for cell in row] for row in rows), headings)
-    )
+    cells = ([cell.replace("`", "") for cell in row] for row in rows)
+    console.print(table_of("keys", headings, cells, headings, headings[:1]))
     console.print(f"example:\n\n{table.example}\n", highlight=False)
 
 
@@ -192,4 +191,4 @@ def _print_quantities(title: str, quantities: Iterable[Quantity]) -> None:
         rows.append((quantity.name, unit, *start, quantity.description))
     headings = ("name", "unit", *["default"] * has_start, "meaning")
     if rows:
-        terminal().print(table_of(title, headings, rows, headings))
+        terminal().print(table_of(title, headings, rows, headings, headings[:2]))

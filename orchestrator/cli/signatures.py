@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import import_module
@@ -66,10 +66,11 @@ def _resolved(name: str, text: str) -> str:
     return parameters_of(reference[1])[name].help if reference else text
 
 
-class _Source(Mapping[str, Any]):
+class _Source(dict[str, Any]):
     """Names of a module as its source defines them; classes and values that are no types are Any."""
 
     def __init__(self, path: Path, package: str) -> None:
+        super().__init__()
         self._tree = ast.parse(path.read_text(encoding="utf-8"))
         self._package = package
 
@@ -113,7 +114,7 @@ class _Source(Mapping[str, Any]):
         parts = self._package.split(".")
         return ".".join((*parts[: len(parts) - node.level + 1], *filter(None, (node.module,))))
 
-    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 - types and values
+    def __missing__(self, name: str) -> Any:  # noqa: ANN401 - types and values
         if name in self._assigned:
             return self.value(self._assigned[name])
         if hasattr(builtins, name):
@@ -122,12 +123,6 @@ class _Source(Mapping[str, Any]):
         if module == _LIGHT or (module and module.partition(".")[0] not in _OURS):
             return getattr(import_module(module), original)
         return _Source.of(module)[original] if module else Any
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._assigned | self._imported)
-
-    def __len__(self) -> int:
-        return len(self._assigned | self._imported)
 
     def value(self, node: ast.expr) -> Any:  # noqa: ANN401
         """Value of an expression."""

@@ -35,16 +35,18 @@ def table_of(
     headings: Sequence[str],
     rows: Iterable[Sequence[str]],
     left: Collection[str] = (),
+    whole: Collection[str] = (),
 ) -> Table:
     """A table without vertical lines, which leaves the most room for numbers.
 
-    Numbers are right-aligned and never cut off; texts, below the headings in `left`, are folded.
+    Numbers are right-aligned and never cut off; texts, below the headings in `left`, are folded, but for those in
+    `whole`.
     """
     table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     cells = [*rows]
     for k, heading in enumerate(headings):
         if heading in left:
-            table.add_column(heading, overflow="fold")
+            table.add_column(heading, overflow="fold", no_wrap=heading in whole)
         else:
             column = Column(heading, [row[k] for row in cells])
             table.add_column(heading, justify="right", no_wrap=True, min_width=column.width)
