@@ -291,6 +291,29 @@ def test_a_driven_base_takes_the_wing_along(tmp_path):
     assert errors[1] < errors[0] / 3.0
 
 
+def test_a_driven_base_meets_rates(tmp_path):
+    """Definition: rates are those of a step's end, for hosts that iterate; a constant acceleration is met exactly.
+
+    Independent path: the same motion by rates of the step's beginning and the acceleration, whose error goes with the
+    square of the step.
+    """
+    path = exported(latching(), tmp_path, driven_base=True)
+
+    def angle(step, meets):
+        host = Host(path).start(base_meets_rates=float(meets))
+        host["base.acceleration[3]"] = 0.0 if meets else 2.0
+        for k in range(round(0.4 / step)):
+            host["base.velocity[3]"] = 2.0 * step * (k + meets)
+            host.to((k + 1) * step, step)
+        return host["root.angle"]
+
+    exact = angle(0.02, True)
+    assert angle(0.01, True) == pytest.approx(exact, rel=1e-6)
+    coarse, fine = (abs(angle(step, False) - exact) for step in (0.02, 0.01))
+    assert coarse < 1e-3
+    assert fine < coarse / 3.0
+
+
 def test_a_driven_base_is_stable_over_steps_in_any_order(tmp_path):
     """Regression: corrections of short steps, as accelerations, grew without bound over long ones between them."""
     result, rates = shaken(0.6)
