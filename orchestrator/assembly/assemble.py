@@ -10,26 +10,22 @@ import numpy as np
 
 from components import ComponentError, Instance
 from components.contract.component import Vector
-from components.contract.frames import add, rotate, rotation_matrix, with_positive_scalar
+from components.contract.frames import add, rotation_matrix, with_positive_scalar
 from components.flexible.modal import ModalData
 
 from ..scene.bodies import body_model, moved
 from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
-from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import Piece, PortSite, joined_geometry, joined_model, pieces
-from ..scene.loops.coupled_lines import rates_with
 from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
-from . import HingeLine as AssemblyHingeLine
 from .beams import beam_part
 from .driving import driving
 from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
 from .fidelities import choose_fidelity
-from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
-from .locked_at_start import bolted_lines
+from .hinges import assembly_lines, damper_part, hinge_parts, line_latch, loop_part
 from .second_order import with_second_order
 from .signal_fmus import signal_fmus
 from .start_values import with_port_starts
@@ -72,7 +68,7 @@ def assemble(
     _refuse_out_of_range(scene, [part for part in connections if part.name not in own])
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
-    hinge_lines = _assembly_lines(scene, lines, is_flexible, wrench_mode)
+    hinge_lines = assembly_lines(scene, is_flexible, wrench_mode)
     return Assembly(
         name=header.name,
         scene_tree=scene.tree,
@@ -114,27 +110,6 @@ def _placed_parts(
         links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
         geometry |= {piece.root: shown} if len(shown.positions) else {}
     return parts, links, geometry
-
-
-def _assembly_lines(
-    scene: CheckedScene,
-    lines: Sequence[HingeLine],
-    is_flexible: Mapping[str, bool],
-    mode: WrenchMode,
-) -> tuple[AssemblyHingeLine, ...]:
-    roots, bolted = scene.rigid_groups, bolted_lines(scene)
-    return tuple(
-        assembly_line(
-            line,
-            line_latch(scene, line, is_flexible, mode),
-            is_flexible,
-            (roots[line.inboard], roots[line.outboard]),
-            rotate(scene.poses[line.inboard].orientation, line.axis),
-            line.name in bolted,
-            rates_with(scene.coupled_lines, line.name),
-        )
-        for line in lines
-    )
 
 
 def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:

@@ -47,14 +47,10 @@ class Weight(NamedTuple):
 
 
 class Closed(NamedTuple):
-    """Poses with the loops closed as far as they go, what stays open by connection (m or rad), how far bodies moved.
-
-    moved: the farthest, m. turned: angles (rad) by body.
-    """
+    """Poses with the loops closed as far as they go, what stays open (m or rad) by connection, turns (rad) by body."""
 
     poses: Mapping[str, StartPose]
     open_by: dict[str, float]
-    moved: float
     turned: dict[str, float]
 
 
@@ -69,15 +65,14 @@ def closed(
     stages: shares of the travel of motions, one after the other, and the bodies that these lead there.
     """
     if not held:
-        return Closed(start, {}, 0.0, {})
+        return Closed(start, {}, {})
     poses = start
     for share, led in stages:
         now = [c._replace(distance=c.distance + share * c.travel) for c in held]
         poses = close(now, {**poses, **led}, weights)
     left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in now}
-    moved = max(float(np.abs(np.subtract(poses[n].position, start[n].position)).max()) for n in weights)
     turned = {n: norm(rotation_between(start[n].orientation, poses[n].orientation)) for n in weights}
-    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved, turned)
+    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, turned)
 
 
 def close(
