@@ -1,4 +1,4 @@
-"""`fanfold analyse gradients`: derivatives of headline numbers with respect to keys of a scene, from one deployment."""
+"""`fanfold analyse gradients`: derivatives of headline numbers with respect to keys of a scene, from replayed runs."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ the third a derivative of a number that is round-off is shown."""
     default=True,
     show_default=True,
     help=(
-        "Include step-size errors in the errors, from a second run at a tenth of the tolerance. Without them "
-        "loads may be wrong, even in sign."
+        "Repeat all at a tenth of the tolerance, which shows the errors. Without it they are unknown, and loads "
+        "may be wrong, even in sign."
     ),
 )
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
@@ -79,13 +79,13 @@ def command(
     if as_json:
         click.echo(json.dumps(found.plain()))
     else:
-        _report(found, verify)
+        _report(found)
     if warning := found.warning:
         click.echo(warning, err=True)
     click.echo(picture, err=as_json)
 
 
-def _report(found: Gradients, verified: bool) -> None:
+def _report(found: Gradients) -> None:
     from ..tables import Column, tables_that_fit, terminal
 
     console, round_off, unreliable = (
@@ -97,7 +97,7 @@ def _report(found: Gradients, verified: bool) -> None:
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
         Column(
-            "error" if verified else "without those\nof steps sure to",
+            "error",
             [
                 "round-off" if nothing else f"{error:.0e}" if error > 0.0 else ""
                 for nothing, error in zip(round_off, found.errors.tolist(), strict=True)
