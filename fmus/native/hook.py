@@ -11,7 +11,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchling is there in a build only
-    """Compiles the components' library and the two of the master; a wheel gets them and the documents."""
+    """Compiles the components' library and that of the master; a wheel gets them and the documents."""
 
     PLUGIN_NAME = "custom"
 
@@ -22,16 +22,10 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
         root = Path(self.root)
         build = _module(root / "fmus" / "native" / "compile.py")
         cosim = root / "orchestrator" / "cosim"
-        isolation = cosim / "isolation" / "native"
         libraries = {
             "fmus/native/lib/fanfold": build.compile_library,
             "orchestrator/cosim/native/_coupling": lambda target: build.compile_files(
                 [cosim / "native" / "coupling.c"], target, build.COUPLING_FLAGS
-            ),
-            "orchestrator/cosim/isolation/native/_isolation": lambda target: build.compile_files(
-                [isolation / "caller.c", isolation / "server.c"],
-                target,
-                (*build.FLAGS, "-pthread"),
             ),
         }
         for name, make in libraries.items():

@@ -9,7 +9,7 @@ from ..analysis.sampling.gradients import gradients as _gradients
 from ..run.progress import Progress, followed
 from ..scene.builder import Names
 from .progress import chosen
-from .quantities import Quantity
+from .quantities import Duration, Tolerance
 from .simulate import SceneLike, as_scene, options_of
 
 
@@ -21,8 +21,8 @@ def gradients(
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
-    until: Quantity | None = None,
-    tolerance: float | None = None,
+    until: Duration | None = None,
+    tolerance: Tolerance | None = None,
     progress: bool | Progress | None = None,
 ) -> Gradients:
     """Derivatives of all headline numbers with respect to keys of a scene, through latch-ups and other events.
@@ -55,7 +55,7 @@ def gradients(
     FanfoldError
         for integer keys, and if a small change makes another event happen
     """
-    options = options_of(rigid, flexible, large_deformation, until, tolerance)
+    options = options_of(locals())
     loaded = as_scene(scene)
     end = options.until or loaded.check().header.until
     wanted = [keys] if isinstance(keys, str) else list(keys)

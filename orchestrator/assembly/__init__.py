@@ -63,6 +63,11 @@ class HingeLine:
     inertia: float | None = None
 
     @property
+    def latch_event(self) -> str:
+        """Text of the event of its latch-up."""
+        return f"{self.name} latch-up"
+
+    @property
     def locks_rigid(self) -> bool:
         """Whether nothing gives way beside its lock, whose torque then says nothing of the wing."""
         return self.kinematic and self.rigid
@@ -165,7 +170,7 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class SignalFmu:
-    """An FMU that reads signals of parts and sets parameters of them, every `step` (s), or iterated with every step.
+    """An FMU that reads signals of parts and sets parameters of them, every `step` (s).
 
     start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives. told:
     variables that it gives for the record alone. is_wing: it is a scene as one FMU whose base its inputs drive.
@@ -178,7 +183,6 @@ class SignalFmu:
     inputs: tuple[Signal, ...]
     outputs: tuple[Signal, ...]
     told: tuple[Signal, ...] = ()
-    iterated: bool = False
     is_wing: bool = False
 
 

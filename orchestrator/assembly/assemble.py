@@ -13,15 +13,13 @@ from components.contract.component import Vector
 from components.contract.frames import add, rotate, rotation_matrix, with_positive_scalar
 from components.flexible.modal import ModalData
 
-from ..scene.bodies import StartPose, attachments, base_model, body_model, motions, moved, scene_points
+from ..scene.bodies import body_model, moved
 from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.locked_groups import Piece, PortSite, held_bodies, joined, joined_geometry, joined_model, pieces
-from ..scene.loops.coupled_lines import coupled_lines, rates_with
-from ..scene.loops.initial_assembly import start_poses
-from ..scene.loops.rates import start_rates
-from ..scene.schema import CheckedScene
+from ..scene.locked_groups import Piece, PortSite, joined_geometry, joined_model, pieces
+from ..scene.loops.coupled_lines import rates_with
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
 from . import HingeLine as AssemblyHingeLine
@@ -48,7 +46,7 @@ def assemble(
 
     large_deformation: None for linear analyses, which take beams of large deformation as flexible bodies.
     """
-    held = held_bodies(scene)
+    held = scene.locked_bodies
     chosen = choose_fidelity(scene, rigid, flexible, large_deformation or ())
     is_flexible = {name: chosen[name] != "rigid" and name not in held for name in chosen}
     beams = {
@@ -64,8 +62,7 @@ def assemble(
         for name, body in with_second_order(scene, modal).items()
         if name not in beams
     }
-    poses = start_poses(scene, scene_points(scene))
-    parts_of_bodies, links, geometry = _placed_parts(scene, models, beams, poses)
+    parts_of_bodies, links, geometry = _placed_parts(scene, models, beams)
     if not links:
         raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
     linked = {link.connection[0] for link in links}
@@ -75,7 +72,7 @@ def assemble(
     _refuse_out_of_range(scene, [part for part in connections if part.name not in own])
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
-    hinge_lines = _assembly_lines(scene, lines, is_flexible, wrench_mode, poses)
+    hinge_lines = _assembly_lines(scene, lines, is_flexible, wrench_mode)
     return Assembly(
         name=header.name,
         scene_tree=scene.tree,
@@ -100,23 +97,20 @@ def _placed_parts(
     scene: CheckedScene,
     models: Mapping[str, ModalData],
     beams: Mapping[str, Body],
-    poses: Mapping[str, StartPose],
 ) -> tuple[list[Part], list[Link], dict[str, Geometry]]:
     """Bodies where they start and with the rates that they start with, their links, and what pictures need."""
-    rates = start_rates(scene, scene_points(scene), poses)
-    found = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
-    found += [port for line in scene.hinge_lines for port in stop_attachments(line)]
+    found = [*scene.attachments, *(port for line in scene.hinge_lines for port in stop_attachments(line))]
     parts: list[Part] = []
     links: list[Link] = []
     geometry: dict[str, Geometry] = {}
-    for piece in pieces(scene, found, poses).values():
+    for piece in pieces(scene, found, scene.poses).values():
         if piece.root in beams:
-            part, shown = beam_part(scene, beams[piece.root], piece, poses)
-            center = body_model(beams[piece.root], flexible=False).center_of_mass
+            part, shown = beam_part(scene, beams[piece.root], piece)
+            center = scene.rigid_models[piece.root].center_of_mass
         else:
-            part, shown = _piece_part(scene, piece, models, poses)
+            part, shown = _piece_part(scene, piece, models)
             center = part.structure.get("modal", {}).get("center_of_mass")
-        parts.append(_moving_at_start(part, center, rates.get(piece.root)))
+        parts.append(_moving_at_start(part, center, scene.rates.get(piece.root)))
         links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
         geometry |= {piece.root: shown} if len(shown.positions) else {}
     return parts, links, geometry
@@ -127,19 +121,17 @@ def _assembly_lines(
     lines: Sequence[HingeLine],
     is_flexible: Mapping[str, bool],
     mode: WrenchMode,
-    poses: Mapping[str, StartPose],
 ) -> tuple[AssemblyHingeLine, ...]:
-    roots, bolted = joined(scene), bolted_lines(scene)
-    groups = coupled_lines(scene)
+    roots, bolted = scene.rigid_groups, bolted_lines(scene)
     return tuple(
         assembly_line(
             line,
             line_latch(scene, line, is_flexible, mode),
             is_flexible,
             (roots[line.inboard], roots[line.outboard]),
-            rotate(poses[line.inboard].orientation, line.axis),
+            rotate(scene.poses[line.inboard].orientation, line.axis),
             line.name in bolted,
-            rates_with(groups, line.name),
+            rates_with(scene.coupled_lines, line.name),
         )
         for line in lines
     )
@@ -176,14 +168,12 @@ def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
         raise SceneError([f"{scene.file}: body.{body.name}: {error}"]) from None
 
 
-def _piece_part(
-    scene: CheckedScene, piece: Piece, models: Mapping[str, ModalData], poses: Mapping[str, StartPose]
-) -> tuple[Part, Geometry]:
+def _piece_part(scene: CheckedScene, piece: Piece, models: Mapping[str, ModalData]) -> tuple[Part, Geometry]:
     """A body or joined piece where it starts, and what a picture of it needs."""
-    base = base_model(scene.base)
+    base = scene.rigid_models.get(scene.base.name)
     own = {name: models[name] for name in piece.bodies if name in models}
-    if (motion := motions(scene).get(piece.root)) is not None:
-        return _moving_part(scene, piece, motion, poses), _geometry(*joined_geometry(piece, own))
+    if (motion := scene.motions.get(piece.root)) is not None:
+        return _moving_part(scene, piece, motion), _geometry(*joined_geometry(piece, own))
     if piece.root == scene.base.name:
         carried = _carried(piece, own)
         if base is None:
@@ -196,7 +186,7 @@ def _piece_part(
     ]
     bodies = {body.name: body for body in scene.bodies}
     structure: dict[str, Any] = {"modal": model.to_arrays(), "ports": ports}
-    pose = poses[piece.root]
+    pose = scene.poses[piece.root]
     start: dict[str, Any] = {
         "initial_position": pose.position,
         "initial_orientation": with_positive_scalar(pose.orientation),
@@ -246,10 +236,10 @@ def _fixed_part(scene: CheckedScene, piece: Piece, carried: Mapping[str, Any]) -
     return Part(piece.root, "fixed_base", structure, {})
 
 
-def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion, poses: Mapping[str, StartPose]) -> Part:
+def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion) -> Part:
     """What follows a motion; loads are about its pivot."""
     back = (-law.value(0.0) for law in motion.laws)
-    frame = moved(poses[piece.root], motion, *back)
+    frame = moved(scene.poses[piece.root], motion, *back)
     structure = {
         **motion.model_dump(),
         "ports": _frame_ports(scene, piece),
@@ -262,11 +252,10 @@ def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion, poses: Mappi
 
 def _frame_ports(scene: CheckedScene, piece: Piece) -> list[dict[str, Any]]:
     """Ports of a piece in the axes of its root."""
-    points = scene_points(scene)
     ports = []
     for site in piece.sites:
         body, _, point = site.point.partition(".") if piece.is_joined else (piece.root, "", site.point)
-        at = piece.poses[body].place(points[body][point])
+        at = piece.poses[body].place(scene.points[body][point])
         port = {"name": site.name, "position": add(at, site.offset), "orientation": site.orientation}
         ports.append(port | _outside(site) if piece.root == scene.base.name else port)
     return ports

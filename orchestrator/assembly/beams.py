@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -17,18 +16,16 @@ from components.contract.frames import with_positive_scalar
 from components.flexible.modal import ModalData, default_damping
 from components.flexible.reduction import free_frequencies
 
-from ..scene.bodies import StartPose, body_definition
+from ..scene.bodies import body_definition
 from ..scene.body_tables import Body
 from ..scene.damping import StructuralDamping
 from ..scene.locked_groups import Piece
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Geometry, Part
 
 
-def beam_part(
-    scene: CheckedScene, body: Body, piece: Piece, poses: Mapping[str, StartPose]
-) -> tuple[Part, Geometry]:
+def beam_part(scene: CheckedScene, body: Body, piece: Piece) -> tuple[Part, Geometry]:
     """A beam where it starts, and what a picture of it needs; SceneError where it has attached masses."""
     if body.masses:
         raise SceneError(
@@ -46,7 +43,7 @@ def beam_part(
         for s in piece.sites
     ]
     structure: dict[str, Any] = {"nodes": nodes, "section": beam.section._asdict(), "ports": ports}
-    pose = poses[piece.root]
+    pose = scene.poses[piece.root]
     start: dict[str, float | tuple[float, ...]] = {
         "initial_position": pose.position,
         "initial_orientation": with_positive_scalar(pose.orientation),

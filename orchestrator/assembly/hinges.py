@@ -14,10 +14,9 @@ from ..scene.component_connections import WrenchMode
 from ..scene.connection_tables import Ccl, Damper
 from ..scene.damping import StructuralDamping
 from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch, TorqueLoop
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from . import HingeLine as AssemblyHingeLine
 from . import Part
-from .effective_inertia import effective_inertia
 from .sticking import sticking
 
 _NEGLIGIBLE = 1e-3
@@ -84,7 +83,7 @@ def line_latch(
     latch, base = line.latch, scene.base.name
     inboard = flexible[line.inboard] if line.inboard != base else not (latch and latch.inboard_stiffness)
     outboard = flexible[line.outboard] if line.outboard != base else not (latch and latch.outboard_stiffness)
-    inertia = 0.0 if line.latch is None else line.latch.effective_inertia or effective_inertia(scene, line)
+    inertia = 0.0 if line.latch is None else line.latch.effective_inertia or scene.effective_inertia(line)
     found = latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping, inertia)
     return found._replace(inertia=inertia or None)
 

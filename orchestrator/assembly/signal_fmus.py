@@ -18,11 +18,11 @@ from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member, folder_here
 from fmus.description.units import base_unit, has_root
 
-from ..scene.schema import SMALLEST_STEP, CheckedScene
+from ..scene.placed_scene import CheckedScene
+from ..scene.schema import SMALLEST_STEP
 from ..scene.signal_tables import Fmu
 from ..scene.table import SceneError
 from . import HingeLine, Part, Signal, SignalFmu
-from .array_elements import element, length
 from .events import scalar, tunable
 
 _NUMBERS = ("Real", "Float64", "Float32")
@@ -33,6 +33,7 @@ _FACTOR = 1e-6
 """By which factors of one unit may differ: those of angles are written with seven digits."""
 MEETS_RATES = "base_meets_rates"
 """Parameter of a scene as one FMU with a driven base."""
+_ELEMENT = re.compile(r"(.+)\[([1-9]\d*)\]")
 _ANGLE = re.compile(r"rad|deg|grad|°|gon|arc", re.IGNORECASE)
 """Names of angles. Many units say them by their name only, without an exponent of rad."""
 _IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
@@ -104,7 +105,6 @@ class _Reader:
                 for s in self._output(name, target)
             ),
             tuple(s for name in table.outputs if not table.targets(name) for s in self._told(name)),
-            table.iterated and self._can_iterate(),
             bool(table.inputs) and MEETS_RATES in self._variables,
         )
 
@@ -124,24 +124,6 @@ class _Reader:
                 else f"is missing, and the FMU says none of {SMALLEST_STEP:g} s or more itself; give one",
             )
         return step
-
-    def _can_iterate(self) -> bool:
-        """Whether steps can be repeated; what it lacks is noted."""
-        able, kind = self._description.coSimulation, Path(self._table.file).name
-        saves = getattr(able, "canGetAndSetFMUstate", False) or getattr(able, "canGetAndSetFMUState", False)
-        if not saves:
-            self._note(
-                "iterated", f"{kind} cannot save its state, so a step cannot be repeated; leave it out"
-            )
-        if not able.canHandleVariableCommunicationStepSize:
-            self._note(
-                "iterated", f"{kind} takes steps of one size only, not those of the scene; leave it out"
-            )
-        if not any(self._table.targets(name) for name in self._table.outputs):
-            self._note(
-                "iterated", "no output sets a load, so there is nothing to repeat a step for; leave it out"
-            )
-        return True
 
     def _is_start(self, name: str, value: Any) -> bool:  # noqa: ANN401 - of any type
         try:
@@ -170,10 +152,10 @@ class _Reader:
         """A variable of the FMU; ValueError where it is none of these causalities, or no scalar."""
         of_them = [v.name for v in self._variables.values() if v.causality in causalities]
         variable = self._variables.get(name)
-        if variable is None and (found := element(name)) is not None:
-            array, place = found
+        if variable is None and (found := _ELEMENT.fullmatch(name)) is not None:
+            array, place = found[1], int(found[2]) - 1
             variable = self._variables.get(array)
-            size = length(variable) if variable is not None else None
+            size = _length(variable) if variable is not None else None
             if size is not None and place >= size:
                 raise ValueError(f"has no such element; {array} has {size}")
             of_them = [array] if size is not None else of_them
@@ -221,8 +203,6 @@ class _Reader:
                 component, kind = self._known(part).component(), self._parts[part].kind
                 known = {q.name: q for q in component.parameter_layout.quantities}
                 tunable(rest.partition("[")[0], component, kind)
-                if self._table.iterated and kind != "load":
-                    raise ValueError(f"sets a {kind}; what is iterated sets loads only")
                 quantity, index = scalar(rest, known, kind)
                 impulse = self._is_impulse(variable, quantity.unit)
                 unit = _IMPULSES[quantity.unit] if impulse else quantity.unit
@@ -325,6 +305,14 @@ def _refuse_redefined(unit: str, base: Any) -> None:  # noqa: ANN401 - of FMPy
             f"is in {unit}, which the FMU defines as {said[0]:g} {powers} with an offset of {said[1]:g}; correct the "
             "definition, or call the unit by another name"
         )
+
+
+def _length(variable: Any) -> int | None:  # noqa: ANN401 - of FMPy
+    """Number of elements of a variable with one dimension that is fixed; None for any other."""
+    if len(variable.dimensions or ()) != 1:
+        return None
+    start = variable.dimensions[0].start
+    return int(start) if start else None
 
 
 def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy

@@ -86,7 +86,7 @@ class CompiledMaster(Master):
 
     def _next_made(self, until: float) -> tuple[float, Solution] | None:
         solver = self.solver
-        if not isinstance(solver, NativeSolver) or self._signals.iterates:
+        if not isinstance(solver, NativeSolver):
             return super()._next_made(until)
         stop, solution = self._follow(solver, until)
         h: float = self._loop.h

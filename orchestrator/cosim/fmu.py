@@ -38,9 +38,9 @@ from components import Layout
 from components.cache.temporary import process_folder
 from components.contract.errors import shortened
 from fmus.binary import cut_short
+from fmus.host.process import LONGEST_CALL, HostError
 
-from .isolation.process import LONGEST_CALL, IsolatedFmu
-from .isolation.process import library as isolation_library
+from .isolated import IsolatedFmu
 from .native.fmu_variables import described_in, said_of, says
 from .native.library import Calls, library
 from .native.shared_library import library_of, unpack
@@ -87,7 +87,6 @@ class FmuParticipant:
     directional_derivatives: whether it gives, right after a step, the derivatives of that step; the standard means
     those at the end of the step alone. isolate: whether it has a process of its own, by default where its binary is
     not the one that was compiled here; longest_call: time (s) after which a call of such a one is taken to hang.
-    lacks_isolation: whether it should have one, and nothing was compiled here that it takes.
     """
 
     def __init__(
@@ -146,11 +145,11 @@ class FmuParticipant:
         if binary.is_file() and (problem := cut_short(binary)):
             raise ParticipantError(f"{self.name}: {self.path.name} cannot be loaded: {problem}")
         apart = binary not in own if self._isolate is None else self._isolate
-        self.lacks_isolation = apart and self._isolate is None and isolation_library() is None
-        if apart and not self.lacks_isolation:
-            self._fmu: FMU2Slave | IsolatedFmu = self._instance_apart(description, binary, described.numbers)
-        else:
-            self._fmu = self._instance_here(description)
+        self._fmu: FMU2Slave | IsolatedFmu = (
+            IsolatedFmu(self._folder, self.name, self._longest_call)
+            if apart
+            else self._instance_here(description)
+        )
         self._component = self._fmu.component
         self._bind()
         self._start = start
@@ -168,17 +167,6 @@ class FmuParticipant:
         )
         fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         return fmu
-
-    def _instance_apart(self, description: Any, binary: Path, numbers: int) -> IsolatedFmu:  # noqa: ANN401
-        return IsolatedFmu(
-            binary,
-            description.guid,
-            (self._folder / "resources").as_uri(),
-            self.name,
-            formatted=not self._is_python,
-            numbers=numbers,
-            longest_call=self._longest_call,
-        )
 
     def _set_up(self) -> None:
         """From a new instance, or one that was reset, into initialization mode."""
@@ -212,10 +200,10 @@ class FmuParticipant:
     def _bind(self) -> None:
         """Raw functions; argument types are set so that nothing is converted per call but the two times."""
         dll = self._fmu.dll
-        self._set_real = getattr(dll, "post_SetReal", dll.fmi2SetReal)
+        self._set_real = dll.fmi2SetReal
         self._get_real, self._do_step = dll.fmi2GetReal, dll.fmi2DoStep
-        self._set_state = getattr(dll, "post_SetFMUstate", dll.fmi2SetFMUstate)
-        self._get_state, self._free_state = dll.fmi2GetFMUstate, dll.fmi2FreeFMUstate
+        self._set_state, self._get_state = dll.fmi2SetFMUstate, dll.fmi2GetFMUstate
+        self._free_state = dll.fmi2FreeFMUstate
         self.calls = self._record()
 
     def _record(self) -> Calls:
@@ -272,8 +260,9 @@ class FmuParticipant:
         if status in (fmi2OK, fmi2Warning):
             return
         if isinstance(self._fmu, IsolatedFmu):
-            if self._fmu.interrupted:
-                raise KeyboardInterrupt
+            failure = self._fmu.failure
+            if failure is not None and not isinstance(failure, HostError):
+                raise failure
             self._messages.append(self._fmu.reason)
         reason = "".join(self._messages) or f"FMI status {status}, no message"
         self._messages.clear()

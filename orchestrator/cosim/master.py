@@ -52,7 +52,7 @@ class Master(CoSimulation):
         self.solver.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving.energy, network.order)
         share = stepping.share_of_steps(settings.tolerance)
-        largest = min(share * settings.largest_step, self._signals.longest_step)
+        largest = share * settings.largest_step
         self._sizes = StepSizes(largest, share * settings.smallest_step, network.order)
         self._start_step = min(share * settings.start_step, largest)
         self._sizes.restart(self._start_step)
@@ -225,8 +225,8 @@ class Master(CoSimulation):
         return (h, solution) if self._stands(h, solution) else None
 
     def _solved(self, h: float) -> Solution:
-        """A step h (s) from the present time, with FMUs that are iterated."""
-        return self._signals.solve(self.solver, self.time, h, self.settings.tolerance)
+        """A step h (s) from the present time."""
+        return self.solver.solve(self.time, h, self.solver.predicted(self.time, h))
 
     def _stands(self, h: float, solution: Solution) -> bool:
         """Whether a step converged and its error is accepted; if not, a smaller step size is set."""
@@ -304,7 +304,6 @@ class Master(CoSimulation):
         return None
 
     def _accept(self, h: float, solution: Solution) -> None:
-        self._signals.accept(h)
         self.solver.accept(self.time, h)
         self._advance(h)
         self._watch()
@@ -362,7 +361,7 @@ class Master(CoSimulation):
         elif self.settings.fixed_step is None:
             roughness = self._roughness()
         for one in lines:
-            self.recorder.event(self.time, one.sensor, f"{one.name} latch-up")
+            self.recorder.event(self.time, one.sensor, one.latch_event)
         size = min(self._engage(one) for one in lines)
         self.solver.forget()
         if line.kinematic:

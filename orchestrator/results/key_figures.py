@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
-from math import degrees
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from math import degrees, inf, isfinite
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -18,15 +18,7 @@ from ..messages import is_note, message
 from ..records import short_repr
 from .crests import Peak
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
-from .estimated_errors import (
-    POINT_PEAKS,
-    Key,
-    error_messages,
-    estimated_errors,
-    round_off_of_loads,
-    tabulated_errors,
-    unknown_errors,
-)
+from .estimated_errors import POINT_PEAKS, Key, error_messages, round_off_of_loads
 from .identifiers import identifier, load_words
 from .latch_impulse import latch_impulses
 from .latch_rate import latch_energies, latch_rates
@@ -87,6 +79,11 @@ class Number(NamedTuple):
         return {"value": self.value, "unit": self.unit, "estimated_error": self.error}
 
 
+ERRORS_UNKNOWN = message(
+    "W-error-unknown",
+    "No errors could be estimated: the coarser run that shows them does not reach the end. Run again with a smaller "
+    "--tolerance or --step.",
+)
 UNLATCHED = "final angle, not latched"
 """Headline number of a line with a latch that has not latched."""
 
@@ -121,8 +118,8 @@ class Headline:
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
     numerical_dissipation and energy_residual (largest, over energy_exchanged; None where there is none): see
-    `energy_ledger`. messages: warnings and notes on what is not as the tolerance promises.
-    estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
+    `energy_ledger`. energy_messages: warnings about their balance. tolerance: requested; refined_tolerance: that of a
+    repetition; None without. fixed_step: whether steps do not follow from it. estimated_errors: see `Result`.
     """
 
     complete: bool
@@ -142,8 +139,11 @@ class Headline:
     energy_exchanged: float
     numerical_dissipation: float
     energy_residual: float | None
-    messages: tuple[str, ...] = ()
-    estimated_errors: Mapping[Key, float] = field(default_factory=dict)
+    energy_messages: tuple[str, ...] = ()
+    tolerance: float | None = None
+    refined_tolerance: float | None = None
+    fixed_step: bool = False
+    estimated_errors: Mapping[Key, float] | None = None
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
     beyond_tables: Mapping[str, Peak] = field(default_factory=dict)
     bent: Mapping[str, Peak] = field(default_factory=dict)
@@ -188,8 +188,26 @@ class Headline:
         numbers: value, unit and estimated error of every headline number, by its identifier.
         """
         found = {"verdict": self.verdict, **asdict(self), "warnings": self.warnings}
-        del found["estimated_errors"], found["messages"]
+        for name in ("estimated_errors", "energy_messages", "tolerance", "refined_tolerance", "fixed_step"):
+            del found[name]
         return {**found, "numbers": {number.id: number.as_dict() for number in self.numbers()}}
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """Warnings and notes about numbers that are less accurate than the tolerance promises."""
+        if self.estimated_errors is None:
+            return self.energy_messages
+        if not self.estimated_errors:
+            return (*self.energy_messages, ERRORS_UNKNOWN)
+        numbers = [(number.key, number.value) for number in self._bare_numbers()]
+        of_errors = error_messages(
+            numbers,
+            self.estimated_errors,
+            self.tolerance,
+            self.refined_tolerance,
+            fixed_step=self.fixed_step,
+        )
+        return (*self.energy_messages, *of_errors)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -249,8 +267,10 @@ class Headline:
 
     def numbers(self) -> Iterator[Number]:
         """Every number in a row of its own, with its estimated error where there is one."""
+        errors = self.estimated_errors or {}
         for number in self._bare_numbers():
-            yield number._replace(error=self.estimated_errors.get(number.key))
+            error = errors.get(number.key, inf)
+            yield number._replace(error=error if isfinite(error) else None)
 
     def _bare_numbers(self) -> Iterator[Number]:
         yield Number("end time", "", self.end_time, "s")
@@ -314,6 +334,11 @@ class Headline:
                 yield Number(max_of(variable), name, high, "N")
 
 
+def messages(result: Result, found: Headline) -> tuple[str, ...]:
+    """Messages of a run, of lines that have not opened, and on the accuracy of numbers; each once."""
+    return tuple(dict.fromkeys((*result.stored_messages, *found.open_ends(), *found.messages)))
+
+
 def headline(result: Result) -> Headline:
     """Headline numbers of a result; what a scene does not have is left empty."""
     times = latch_times(result)
@@ -323,7 +348,7 @@ def headline(result: Result) -> Headline:
         if line.name in times
     }
     last = max(times.values(), default=float(result.time[-1]))
-    ledger, errors, at_points = energy_ledger(result), estimated_errors(result), _peaks_at_points(result)
+    ledger, at_points = energy_ledger(result), _peaks_at_points(result)
     short, unlatched, stops = (
         short_of_deployed(result),
         unlatched_angles(result, times),
@@ -331,7 +356,7 @@ def headline(result: Result) -> Headline:
     )
     motors_short = tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x))
     rates, impulses = latch_rates(result, times), latch_impulses(result, times)
-    found = Headline(
+    return Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
         latch_times=times,
@@ -374,34 +399,17 @@ def headline(result: Result) -> Headline:
         energy_exchanged=ledger.exchanged if ledger else 0.0,
         numerical_dissipation=ledger.numerical if ledger else 0.0,
         energy_residual=ledger.relative_residual if ledger else None,
-        messages=ledger.warnings() if ledger else (),
-    )
-    numbers = [(number.key, number.value) for number in found.numbers()]
-    given, asked = "step" in result.provenance, tolerance_asked(result)
-    of_errors = error_messages(numbers, errors, asked, tolerance_taken(result), fixed_step=given)
-    return replace(
-        found,
-        messages=(*found.messages, *unknown_errors(result), *of_errors),
-        estimated_errors=_with_magnitudes(numbers, tabulated_errors(numbers, errors, asked)),
+        energy_messages=ledger.warnings() if ledger else (),
+        tolerance=tolerance_asked(result),
+        refined_tolerance=tolerance_taken(result),
+        fixed_step="step" in result.provenance,
+        estimated_errors=result.estimated_errors,
     )
 
 
 def magnitude_of(load: str) -> str:
     """What the headline calls the peak of a vector's magnitude."""
     return load.replace(" peak", " magnitude peak")
-
-
-def _with_magnitudes(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, float]) -> dict[Key, float]:
-    """The errors, and those of vector magnitudes, from the errors of components weighted by their share."""
-    found, values = dict(errors), dict(numbers)
-    for load in ("interface force peak", "interface torque peak"):
-        whole = values.get((magnitude_of(load), ""), 0.0)
-        parts = [(values.get(key, 0.0), error) for key, error in errors.items() if key[0] == load]
-        if parts and whole:
-            key = magnitude_of(load), ""
-            off = sum(min(1.0, (value + error) / whole) * error for value, error in parts)
-            found[key] = max(found.get(key, 0.0), off)
-    return found
 
 
 def _missing(
@@ -477,19 +485,13 @@ def round_off_floors(found: Headline) -> dict[str, float]:
 
 
 def latch_times(result: Result) -> dict[str, float]:
-    """First latch-up of each hinge line (s), from the events of the line or its hinges."""
+    """Time of latch-up of each hinge line (s)."""
     found: dict[str, float] = {}
     for line in result.hinge_lines:
-        names = {line.name, *line.hinges}
-        times = [time for time, name, text in result.events if name in names and is_latch_up(text)]
+        times = [time for time, _, text in result.events if text == line.latch_event]
         if times:
             found[line.name] = min(times)
     return found
-
-
-def is_latch_up(text: str) -> bool:
-    """Whether the text of an event reports a latch-up."""
-    return "latch" in text.lower() and "unlatch" not in text.lower()
 
 
 def line_latch_torque(result: Result, line: HingeLine) -> Vector:

@@ -19,8 +19,8 @@ from components.contract.frames import (
 )
 from components.flexible.modal import ModalData
 
-from .bodies import Attachment, StartPose, scene_points, written_poses
-from .schema import CheckedScene
+from .bodies import Attachment, StartPose
+from .placed_scene import CheckedScene
 
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -56,29 +56,12 @@ class Piece:
         return len(self.bodies) > 1
 
 
-def joined(scene: CheckedScene) -> dict[str, str]:
-    """The body that names the piece of every body: its own, or the innermost that held lines lead to."""
-    roots = {name: name for name in (scene.base.name, *(body.name for body in scene.bodies))}
-    held = {line.outboard: line.inboard for line in scene.hinge_lines if line.held}
-    for body in roots:
-        while (inner := held.get(roots[body])) is not None:
-            roots[body] = inner
-    return roots
-
-
-def held_bodies(scene: CheckedScene) -> frozenset[str]:
-    """Bodies that are part of a larger piece, and therefore rigid."""
-    roots = joined(scene)
-    shared = [root for body, root in roots.items() if root != body]
-    return frozenset(body for body, root in roots.items() if root in shared)
-
-
 def pieces(
     scene: CheckedScene, found: Sequence[Attachment], poses: Mapping[str, StartPose]
 ) -> dict[str, Piece]:
     """Every piece by its root, with the ports of the connections that do not stay within it."""
-    roots = joined(scene)
-    acting, written = _acting(found, roots), written_poses(scene, scene_points(scene))
+    roots = scene.rigid_groups
+    acting = _acting(found, roots)
     joining = Counter(port.connection for port in acting)
     lonely = {name for name, count in joining.items() if count == 1}
     result = {}
@@ -87,7 +70,7 @@ def pieces(
         relative = {body: _relative(poses[root], poses[body]) for body in bodies}
         own = [port for port in acting if roots[port.body] == root]
         outside = {port.connection for port in own if port.body == root} & lonely
-        sites = _sites(own, written[root], relative, outside)
+        sites = _sites(own, scene.written_poses[root], relative, outside)
         result[root] = Piece(root, bodies, relative, sites)
     return result
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -22,17 +23,18 @@ def _is_there(path: str) -> str:
 class Fmu(Table):
     """[[fmu]]: a co-simulation FMU, of FMI 2.0 or 3.0, that reads signals of components and sets parameters of them."""
 
+    removed = MappingProxyType(
+        {
+            "iterated": "FMUs are sampled at their step and no longer iterated; remove the key, and use a small "
+            "step, or build the wing into the scene"
+        }
+    )
     name: Name
     """Name of the FMU in the scene."""
     file: Annotated[str, AfterValidator(_is_there)]
     """Path from the scene's folder."""
     step: Duration | None = None
-    """Its communication step; by default what it says itself. The longest one, if it is iterated."""
-    iterated: bool = False
-    """Whether it takes every step of the scene, which is repeated until its loads agree with the motion at the end.
-
-    It must set nothing but loads, save its state, and take steps of any size.
-    """
+    """Its communication step; by default what it says itself."""
     parameters: dict[str, Any] = Field(default_factory=dict)
     """Start values by the FMU's names."""
     inputs: dict[str, str] = Field(default_factory=dict)

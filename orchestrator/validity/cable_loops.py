@@ -11,10 +11,8 @@ from components.contract.frames import Vector3, cross, dot, norm
 from ..messages import coded
 from ..scene.connection_tables import Ccl
 from ..scene.loops.coupled_lines import body_between
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 
-_STIFFEST = 1e8
-"""N/m, of five square centimetres of steel along a metre."""
 _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 
@@ -23,17 +21,6 @@ def loop_warnings(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-loop-data", _unlike_travels(scene))
     yield from coded("W-loop-data", _askew_loops(scene))
-    yield from coded("W-loop-data", _stiffest(scene))
-
-
-def _stiffest(scene: CheckedScene) -> Iterator[str]:
-    """Strands stiffer than any cable, whose vibrations need small steps."""
-    for loop in scene.loops:
-        if loop.strand_stiffness > _STIFFEST:
-            yield (
-                f"ccl.{loop.name}.strand_stiffness: {loop.strand_stiffness:g} N/m is stiffer than any cable; 1 m "
-                "of steel with 1 cm2 has 2e7 N/m. Check the unit."
-            )
 
 
 class Travels(NamedTuple):

@@ -112,10 +112,11 @@ def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Ite
         bend = None if panel is None else _largest_bend(assembly, part, panel, result)
         if panel is None or bend is None:
             continue
-        thickness = float(np.sqrt(12.0 * panel.plate.bending[0] / panel.plate.membrane[0]))
+        thickness = panel.plate.equivalent_thickness
         if bend.deflection <= _THICKNESSES * thickness:
             continue
-        states_linear = "geometry" in (bodies[part.name].panel or {})
+        table = bodies[part.name].panel
+        states_linear = table is not None and "geometry" in table.model_fields_set
         yield message(
             "N-linear-plate" if states_linear else "W-linear-plate",
             f"{part.name} bent by {1e3 * bend.deflection:.3g} mm between its joints, at {bend.time:.4g} s, "

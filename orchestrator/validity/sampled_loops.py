@@ -23,7 +23,7 @@ def sampled_loop_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
     for fmu in assembly.signal_fmus:
         names = [one.variable for one in fmu.outputs if result.has(fmu.name, one.variable)]
         growing = [name for name in names if _swings(result.signal(fmu.name, name))]
-        if growing and not fmu.iterated:
+        if growing:
             name = growing[0]
             largest = float(np.abs(result.signal(fmu.name, name)).max())
             yield (

@@ -6,13 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from ..assembly import Assembly, Event, HingeLine, SignalFmu
-from ..assembly.signal_fmus import MEETS_RATES
 from ..messages import coded
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.signal_tables import Fmu
-
-_MOST_STEPS = 1e6
-"""Of an FMU in a run; a millisecond each is a quarter of an hour."""
 
 
 def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
@@ -21,11 +17,10 @@ def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str
     for fmu in assembly.signal_fmus:
         if (table := tables.get(fmu.name)) is not None:
             yield from coded("W-fmu-unit", _bare_units(fmu))
-            yield from coded("W-fmu-step", _all_too_often(table, scene.header.until))
             yield from coded("W-fmu-hinges", _of_several_hinges(fmu, table, assembly.hinge_lines))
             yield from coded("W-fmu-events", _set_by_events(fmu, assembly.events))
             if fmu.is_wing:
-                yield from coded("W-fmu-wing", _driven_wing(fmu, table, assembly.hinge_lines))
+                yield from coded("W-fmu-wing", _driven_wing(fmu))
 
 
 def _bare_units(fmu: SignalFmu) -> Iterator[str]:
@@ -36,15 +31,6 @@ def _bare_units(fmu: SignalFmu) -> Iterator[str]:
         yield (
             f"fmu.{fmu.name}: {Path(fmu.path).name} declares no unit for some variables, which are read as "
             f"{listed}. Check these units."
-        )
-
-
-def _all_too_often(table: Fmu, until: float) -> Iterator[str]:
-    """FMUs whose step requires very many steps of the run."""
-    if table.step is not None and until > _MOST_STEPS * table.step:
-        yield (
-            f"fmu.{table.name}: its step of {table.step:g} s requires {until / table.step:.2g} steps in {until:g} "
-            "s. Check the unit of step."
         )
 
 
@@ -82,27 +68,9 @@ def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
                 )
 
 
-def _driven_wing(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
-    """Limits of a wing with constant loads over a step, and of an iterated wing."""
-    if not fmu.iterated:
-        yield (
-            f"fmu.{fmu.name}: loads of this wing are constant over a step, which may be unstable if it is heavy "
-            "relative to its spacecraft. Compare two steps, or set iterated = true and parameters = "
-            f"{{ {MEETS_RATES} = 1 }}."
-        )
-        return
-    if not table.parameters.get(MEETS_RATES):
-        yield (
-            f"fmu.{fmu.name}: without {MEETS_RATES} the base of this iterated wing lags behind the rates at the "
-            f"end of a step. Set parameters = {{ {MEETS_RATES} = 1 }}."
-        )
-    if any(not signal.is_impulse for signal in fmu.outputs):
-        yield (
-            f"fmu.{fmu.name}: the loads that it sets lack the impulses of kinematic latches. Connect "
-            "interface_impulse and interface_angular_impulse instead."
-        )
-    if locks := ", ".join(line.name for line in lines if line.kinematic):
-        yield (
-            f"fmu.{fmu.name}: the instantaneous impulses of {locks} do not include this wing, nor do the loads "
-            "just after them. Use latches with springs."
-        )
+def _driven_wing(fmu: SignalFmu) -> Iterator[str]:
+    """Limits of a wing with constant loads over a step."""
+    yield (
+        f"fmu.{fmu.name}: loads of this wing are constant over a step, which may be unstable if it is heavy "
+        "relative to its spacecraft. Compare two steps, or build the wing into the scene."
+    )

@@ -11,7 +11,6 @@ import pytest
 from pythonfmu.builder import FmuBuilder
 
 import orchestrator as fanfold
-from fmus import native_library
 from orchestrator.scene.keys.listing import key_tables
 
 ROOT = Path(__file__).parents[2]
@@ -44,8 +43,6 @@ def folder(tmp_path_factory):
         fanfold.export_body(path / "two_panels.toml", "panel1", path / "panel1.npz")
     if "controlled.toml" in SCENES:
         FmuBuilder.build_FMU(str(CONTROLLER), dest=str(path))
-    if "bus.toml" in SCENES and native_library() is not None:
-        fanfold.export(path / "wing.toml", path, rigid="all", as_one=True, driven_base=True)
     return path
 
 
@@ -53,8 +50,6 @@ def folder(tmp_path_factory):
 @pytest.mark.filterwarnings("ignore::orchestrator.FanfoldWarning")
 def test_scenes_of_the_pages_are_sound(folder, name):
     """Rule: what a reader copies has no problem, variants included."""
-    if name == "bus.toml" and native_library() is None:
-        pytest.skip("a scene as one FMU is native")
     assert fanfold.check_scene(folder / name, rigid="all").problems == ()
 
 

@@ -47,10 +47,10 @@ static Slave *slave_of(fmi2Component component) { return component; }
 
 Instance *fmi2_instance_of(fmi2Component component) { return component ? slave_of(component)->instance : NULL; }
 
-FMI2_EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
-FMI2_EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
+FMI2_EXPORT const char *FMI2(GetTypesPlatform)(void) { return "default"; }
+FMI2_EXPORT const char *FMI2(GetVersion)(void) { return "2.0"; }
 
-FMI2_EXPORT void fmi2FreeInstance(fmi2Component component) {
+FMI2_EXPORT void FMI2(FreeInstance)(fmi2Component component) {
     Slave *slave = slave_of(component);
     if (!slave)
         return;
@@ -59,9 +59,9 @@ FMI2_EXPORT void fmi2FreeInstance(fmi2Component component) {
     free(slave);
 }
 
-FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String location,
-                                          const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
-                                          fmi2Boolean logging) {
+FMI2_EXPORT fmi2Component FMI2(Instantiate)(fmi2String name, fmi2Type type, fmi2String guid, fmi2String location,
+                                            const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
+                                            fmi2Boolean logging) {
     (void)visible, (void)logging;
     char path[4096];
     Slave *slave = calloc(1, sizeof *slave);
@@ -83,194 +83,149 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
         slave->instance = instance_create(name, path, guid, log_to_host, slave);
     if (slave->instance && (type == fmi2CoSimulation || continuous_use(slave->instance)))
         return slave;
-    fmi2FreeInstance(slave);
+    FMI2(FreeInstance)(slave);
     return NULL;
 }
 
-FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count,
-                                           const fmi2String categories[]) {
+FMI2_EXPORT fmi2Status FMI2(SetDebugLogging)(fmi2Component component, fmi2Boolean on, size_t count,
+                                             const fmi2String categories[]) {
     if (!component)
         return fmi2Error;
     slave_of(component)->unwanted = unwanted_by(on, count, categories);
     return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined,
-                                           fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
-                                           fmi2Real stop) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_set_experiment(instance, tolerance_defined ? &tolerance : NULL, start,
-                                                          stop_defined ? stop : INFINITY)
-                    : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(SetupExperiment)(fmi2Component component, fmi2Boolean tolerance_defined,
+                                             fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
+                                             fmi2Real stop) {
+    CALLED(instance_set_experiment(instance, tolerance_defined ? &tolerance : NULL, start,
+                                   stop_defined ? stop : INFINITY));
 }
 
-FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_enter_initialization(instance) : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(EnterInitializationMode)(fmi2Component component) {
+    CALLED(instance_enter_initialization(instance));
 }
 
-FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_exit_initialization(instance) : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(ExitInitializationMode)(fmi2Component component) {
+    CALLED(instance_exit_initialization(instance));
 }
 
-FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component component) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_terminate(instance) : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(Terminate)(fmi2Component component) {
+    CALLED(instance_terminate(instance));
 }
 
-FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component component) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_reset(instance) : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(Reset)(fmi2Component component) {
+    CALLED(instance_reset(instance));
 }
 
-FMI2_EXPORT fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
-                                   fmi2Real values[]) {
+FMI2_EXPORT fmi2Status FMI2(GetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                     fmi2Real values[]) {
     Instance *instance = fmi2_instance_of(component);
     if (!instance || instance_refuse_missing(instance, references, values, count) != STATUS_OK)
         return fmi2Error;
     return (fmi2Status)instance_get(instance, references, count, values);
 }
 
-FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
-                                   const fmi2Real values[]) {
+FMI2_EXPORT fmi2Status FMI2(SetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                     const fmi2Real values[]) {
     Instance *instance = fmi2_instance_of(component);
     if (!instance || instance_refuse_missing(instance, references, values, count) != STATUS_OK)
         return fmi2Error;
     return (fmi2Status)instance_set(instance, references, count, values);
 }
 
-/* There are no variables of other types; asking for none of them is no error. */
-static fmi2Status other_type(fmi2Component component, size_t count) {
-    Instance *instance = fmi2_instance_of(component);
-    if (!instance)
-        return fmi2Error;
-    return count ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "all variables of this FMU are of type Real")
-                 : fmi2OK;
+/* Asking for none of what there is not is no error. */
+static Status refused(Instance *instance, size_t count, const char *sentence) {
+    return count ? instance_fail(instance, STATUS_ERROR, "%s", sentence) : STATUS_OK;
 }
 
 #define OTHER_TYPE(Type)                                                                                         \
-    FMI2_EXPORT fmi2Status fmi2Get##Type(fmi2Component component, const fmi2ValueReference references[],         \
-                                         size_t count, fmi2##Type values[]) {                                    \
+    FMI2_EXPORT fmi2Status FMI2(Get##Type)(fmi2Component component, const fmi2ValueReference references[],       \
+                                           size_t count, fmi2##Type values[]) {                                  \
         (void)references, (void)values;                                                                          \
-        return other_type(component, count);                                                                     \
+        CALLED(refused(instance, count, "all variables of this FMU are of type Real"));                          \
     }                                                                                                            \
-    FMI2_EXPORT fmi2Status fmi2Set##Type(fmi2Component component, const fmi2ValueReference references[],         \
-                                         size_t count, const fmi2##Type values[]) {                              \
+    FMI2_EXPORT fmi2Status FMI2(Set##Type)(fmi2Component component, const fmi2ValueReference references[],       \
+                                           size_t count, const fmi2##Type values[]) {                            \
         (void)references, (void)values;                                                                          \
-        return other_type(component, count);                                                                     \
+        CALLED(refused(instance, count, "all variables of this FMU are of type Real"));                          \
     }
 
 OTHER_TYPE(Integer)
 OTHER_TYPE(Boolean)
 OTHER_TYPE(String)
 
-FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state) {
-    Instance *instance = fmi2_instance_of(component);
-    if (!instance)
-        return fmi2Error;
-    SavedState *saved = *state;
-    Status status = instance_save(instance, &saved);
-    *state = saved;
-    return (fmi2Status)status;
+FMI2_EXPORT fmi2Status FMI2(GetFMUstate)(fmi2Component component, fmi2FMUstate *state) {
+    CALLED(instance_save(instance, (SavedState **)state));
 }
 
-FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_restore(instance, state) : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(SetFMUstate)(fmi2Component component, fmi2FMUstate state) {
+    CALLED(instance_restore(instance, state));
 }
 
-FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state) {
-    if (!component)
-        return fmi2Error;
-    if (state) {
-        instance_forget(*state);
-        *state = NULL;
-    }
-    return fmi2OK;
+FMI2_EXPORT fmi2Status FMI2(FreeFMUstate)(fmi2Component component, fmi2FMUstate *state) {
+    CALLED(instance_forget((SavedState **)state));
 }
 
-static fmi2Status no_state(fmi2Component component) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "there is no FMU state to serialize") : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(SerializedFMUstateSize)(fmi2Component component, fmi2FMUstate state,
+                                                   size_t *size) {
+    CALLED(instance_serialized_size(instance, state, size));
 }
 
-FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size) {
-    if (!component || !state)
-        return no_state(component);
-    *size = instance_serialized_size(state);
-    return fmi2OK;
+FMI2_EXPORT fmi2Status FMI2(SerializeFMUstate)(fmi2Component component, fmi2FMUstate state,
+                                              fmi2Byte bytes[], size_t size) {
+    CALLED(instance_serialize(instance, state, (unsigned char *)bytes, size));
 }
 
-FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[],
-                                             size_t size) {
-    Instance *instance = fmi2_instance_of(component);
-    if (!instance || !state)
-        return no_state(component);
-    if (size < instance_serialized_size(state))
-        return (fmi2Status)instance_fail(instance, STATUS_ERROR, "%lu bytes are too few for the state",
-                                         (unsigned long)size);
-    instance_serialize(state, (unsigned char *)bytes);
-    return fmi2OK;
+FMI2_EXPORT fmi2Status FMI2(DeSerializeFMUstate)(fmi2Component component, const fmi2Byte bytes[],
+                                                size_t size, fmi2FMUstate *state) {
+    CALLED(instance_deserialize(instance, (const unsigned char *)bytes, size, (SavedState **)state));
 }
 
-FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size,
-                                               fmi2FMUstate *state) {
-    Instance *instance = fmi2_instance_of(component);
-    if (!instance)
-        return fmi2Error;
-    *state = instance_deserialize(instance, (const unsigned char *)bytes, size);
-    return *state ? fmi2OK : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(GetDirectionalDerivative)(fmi2Component component,
+                                                      const fmi2ValueReference unknowns[], size_t unknown_count,
+                                                      const fmi2ValueReference knowns[], size_t known_count,
+                                                      const fmi2Real seed[], fmi2Real result[]) {
+    CALLED(instance_derivative(instance, unknowns, unknown_count, knowns, known_count, seed, result));
 }
 
-FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
-                                                    const fmi2ValueReference unknowns[], size_t unknown_count,
-                                                    const fmi2ValueReference knowns[], size_t known_count,
-                                                    const fmi2Real seed[], fmi2Real result[]) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_derivative(instance, unknowns, unknown_count, knowns, known_count, seed, result)
-                    : fmi2Error;
+FMI2_EXPORT fmi2Status PORT_STIFFNESS(fmi2Component component, size_t ports, fmi2Real stiffness[]) {
+    CALLED(instance_port_stiffness(instance, ports, stiffness));
 }
 
-FMI2_EXPORT fmi2Status fanfoldGetPortStiffness(fmi2Component component, size_t ports, fmi2Real stiffness[]) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_port_stiffness(instance, ports, stiffness) : fmi2Error;
-}
-
-FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real h, fmi2Boolean no_return) {
+FMI2_EXPORT fmi2Status FMI2(DoStep)(fmi2Component component, fmi2Real time, fmi2Real h, fmi2Boolean no_return) {
     (void)no_return;
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_step(instance, time, h) : fmi2Error;
+    CALLED(instance_step(instance, time, h));
 }
 
-FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component component) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "no step runs that could be cancelled")
-                    : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(CancelStep)(fmi2Component component) {
+    CALLED(instance_fail(instance, STATUS_ERROR, "no step runs that could be cancelled"));
 }
 
-FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference references[],
-                                                   size_t count, const fmi2Integer orders[],
-                                                   const fmi2Real values[]) {
-    Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)input_slopes_set(instance, references, count, orders, values) : fmi2Error;
+FMI2_EXPORT fmi2Status FMI2(SetRealInputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
+                                                     size_t count, const fmi2Integer orders[],
+                                                     const fmi2Real values[]) {
+    CALLED(input_slopes_set(instance, references, count, orders, values));
 }
 
-FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference references[],
-                                                    size_t count, const fmi2Integer orders[], fmi2Real values[]) {
+FMI2_EXPORT fmi2Status FMI2(GetRealOutputDerivatives)(fmi2Component component, const fmi2ValueReference references[],
+                                                      size_t count, const fmi2Integer orders[], fmi2Real values[]) {
     (void)references, (void)orders, (void)values;
-    Instance *instance = fmi2_instance_of(component);
-    if (!instance)
-        return fmi2Error;
-    return count ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "derivatives of outputs are not offered") : fmi2OK;
+    CALLED(refused(instance, count, "derivatives of outputs are not offered"));
 }
 
-FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status *value) {
-    (void)component, (void)kind, (void)value;
-    return fmi2Discard;
-}
+/* Nothing is pending, and there is no status of these types. */
+#define NO_STATUS(Name, Type)                                                                                    \
+    FMI2_EXPORT fmi2Status FMI2(Name)(fmi2Component component, fmi2StatusKind kind, Type *value) {               \
+        (void)component, (void)kind, (void)value;                                                                \
+        return fmi2Discard;                                                                                      \
+    }
 
-FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real *value) {
+NO_STATUS(GetStatus, fmi2Status)
+NO_STATUS(GetIntegerStatus, fmi2Integer)
+NO_STATUS(GetStringStatus, fmi2String)
+
+FMI2_EXPORT fmi2Status FMI2(GetRealStatus)(fmi2Component component, fmi2StatusKind kind, fmi2Real *value) {
     Instance *instance = fmi2_instance_of(component);
     if (!instance || kind != fmi2LastSuccessfulTime)
         return fmi2Discard;
@@ -278,19 +233,9 @@ FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind
     return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component component, fmi2StatusKind kind, fmi2Integer *value) {
-    (void)component, (void)kind, (void)value;
-    return fmi2Discard;
-}
-
-FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean *value) {
+FMI2_EXPORT fmi2Status FMI2(GetBooleanStatus)(fmi2Component component, fmi2StatusKind kind, fmi2Boolean *value) {
     if (!component || kind != fmi2Terminated)
         return fmi2Discard;
     *value = 0;
     return fmi2OK;
-}
-
-FMI2_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component component, fmi2StatusKind kind, fmi2String *value) {
-    (void)component, (void)kind, (void)value;
-    return fmi2Discard;
 }

@@ -5,8 +5,6 @@
 
 #include <stddef.h>
 
-#include "fmi2_names.h"
-
 typedef void *fmi2Component;
 typedef void *fmi2ComponentEnvironment;
 typedef void *fmi2FMUstate;
@@ -40,6 +38,15 @@ typedef struct {
     fmi2Real nextEventTime;
 } fmi2EventInfo;
 
+/* Names of functions with a prefix, for hosts that link several FMUs statically and define
+   FMI2_FUNCTION_PREFIX (FMI 2.0, section 2.1.1). */
+#ifndef FMI2_FUNCTION_PREFIX
+#define FMI2_FUNCTION_PREFIX
+#endif
+#define FMI2_JOIN(prefix, name) prefix##name
+#define FMI2_PREFIXED(prefix, name) FMI2_JOIN(prefix, name)
+#define FMI2(name) FMI2_PREFIXED(FMI2_FUNCTION_PREFIX, fmi2##name)
+
 #if defined(_WIN32)
 #define FMI2_EXPORT __declspec(dllexport)
 #elif defined(__GNUC__)
@@ -49,41 +56,42 @@ typedef struct {
 #endif
 
 /* The functions that hosts call; the remaining ones of the standard are defined in fmi2.c. */
-FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, const
+FMI2_EXPORT fmi2Component FMI2(Instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String, const
     fmi2CallbackFunctions *, fmi2Boolean, fmi2Boolean);
-FMI2_EXPORT void fmi2FreeInstance(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean,
+FMI2_EXPORT void FMI2(FreeInstance)(fmi2Component);
+FMI2_EXPORT fmi2Status FMI2(SetupExperiment)(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean,
     fmi2Real);
-FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2GetReal(fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
-FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Real[]);
-FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component, const fmi2ValueReference[], size_t,
-                                                   const fmi2Integer[], const fmi2Real[]);
-FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component, fmi2FMUstate *);
-FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component, fmi2FMUstate);
-FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component, fmi2FMUstate *);
-FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, size_t *);
-FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, fmi2Byte[], size_t);
-FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component, const fmi2Byte[], size_t, fmi2FMUstate *);
-FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference[], size_t, const
+FMI2_EXPORT fmi2Status FMI2(EnterInitializationMode)(fmi2Component);
+FMI2_EXPORT fmi2Status FMI2(ExitInitializationMode)(fmi2Component);
+FMI2_EXPORT fmi2Status FMI2(Terminate)(fmi2Component);
+FMI2_EXPORT fmi2Status FMI2(Reset)(fmi2Component);
+FMI2_EXPORT fmi2Status FMI2(GetReal)(fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
+FMI2_EXPORT fmi2Status FMI2(SetReal)(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Real[]);
+FMI2_EXPORT fmi2Status FMI2(SetRealInputDerivatives)(fmi2Component, const fmi2ValueReference[], size_t,
+                                                     const fmi2Integer[], const fmi2Real[]);
+FMI2_EXPORT fmi2Status FMI2(GetFMUstate)(fmi2Component, fmi2FMUstate *);
+FMI2_EXPORT fmi2Status FMI2(SetFMUstate)(fmi2Component, fmi2FMUstate);
+FMI2_EXPORT fmi2Status FMI2(FreeFMUstate)(fmi2Component, fmi2FMUstate *);
+FMI2_EXPORT fmi2Status FMI2(SerializedFMUstateSize)(fmi2Component, fmi2FMUstate, size_t *);
+FMI2_EXPORT fmi2Status FMI2(SerializeFMUstate)(fmi2Component, fmi2FMUstate, fmi2Byte[], size_t);
+FMI2_EXPORT fmi2Status FMI2(DeSerializeFMUstate)(fmi2Component, const fmi2Byte[], size_t, fmi2FMUstate *);
+FMI2_EXPORT fmi2Status FMI2(GetDirectionalDerivative)(fmi2Component, const fmi2ValueReference[], size_t, const
     fmi2ValueReference[], size_t, const fmi2Real[], fmi2Real[]);
 /* Not of the standard: what as many calls of fmi2GetDirectionalDerivative as there are columns give, at once. Right after
    a step of a connection with so many ports, the derivatives of their wrenches by their motions at its end, as
    instance_port_stiffness of instance.h says; fmi2Discard where the FMU offers none for this step. */
-FMI2_EXPORT fmi2Status fanfoldGetPortStiffness(fmi2Component, size_t ports, fmi2Real stiffness[]);
-FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
-FMI2_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component, fmi2EventInfo *);
-FMI2_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component);
-FMI2_EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component, fmi2Boolean, fmi2Boolean *, fmi2Boolean *);
-FMI2_EXPORT fmi2Status fmi2SetTime(fmi2Component, fmi2Real);
-FMI2_EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component, const fmi2Real[], size_t);
-FMI2_EXPORT fmi2Status fmi2GetDerivatives(fmi2Component, fmi2Real[], size_t);
-FMI2_EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component, fmi2Real[], size_t);
-FMI2_EXPORT fmi2Status fmi2GetContinuousStates(fmi2Component, fmi2Real[], size_t);
-FMI2_EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component, fmi2Real[], size_t);
+#define PORT_STIFFNESS FMI2_PREFIXED(FMI2_FUNCTION_PREFIX, fanfoldGetPortStiffness)
+FMI2_EXPORT fmi2Status PORT_STIFFNESS(fmi2Component, size_t ports, fmi2Real stiffness[]);
+FMI2_EXPORT fmi2Status FMI2(DoStep)(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
+FMI2_EXPORT fmi2Status FMI2(EnterEventMode)(fmi2Component);
+FMI2_EXPORT fmi2Status FMI2(NewDiscreteStates)(fmi2Component, fmi2EventInfo *);
+FMI2_EXPORT fmi2Status FMI2(EnterContinuousTimeMode)(fmi2Component);
+FMI2_EXPORT fmi2Status FMI2(CompletedIntegratorStep)(fmi2Component, fmi2Boolean, fmi2Boolean *, fmi2Boolean *);
+FMI2_EXPORT fmi2Status FMI2(SetTime)(fmi2Component, fmi2Real);
+FMI2_EXPORT fmi2Status FMI2(SetContinuousStates)(fmi2Component, const fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status FMI2(GetDerivatives)(fmi2Component, fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status FMI2(GetEventIndicators)(fmi2Component, fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status FMI2(GetContinuousStates)(fmi2Component, fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status FMI2(GetNominalsOfContinuousStates)(fmi2Component, fmi2Real[], size_t);
 
 #endif

@@ -13,6 +13,11 @@
 /* The instance; NULL for none. */
 Instance *fmi2_instance_of(fmi2Component component);
 
+/* The body of a function that is a call of the core, of `instance`. */
+#define CALLED(call)                                                                                             \
+    Instance *instance = fmi2_instance_of(component);                                                            \
+    return instance ? (fmi2Status)(call) : fmi2Error
+
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

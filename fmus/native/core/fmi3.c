@@ -18,9 +18,9 @@ static void log_to_host(void *host, Status status, const char *sentence) {
         fmu->log(fmu->environment, (fmi3Status)status, category_of(status), sentence);
 }
 
-FMI3_EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
+FMI3_EXPORT const char *FMI3(GetVersion)(void) { return "3.0"; }
 
-FMI3_EXPORT void fmi3FreeInstance(fmi3Instance instance) {
+FMI3_EXPORT void FMI3(FreeInstance)(fmi3Instance instance) {
     if (!instance)
         return;
     instance_free(core_of(instance));
@@ -64,15 +64,15 @@ static Fmu *instantiate(fmi3String name, fmi3String token, fmi3String resources,
         fmu->instance = instance_create(name, resources, token, log_to_host, fmu);
     if (fmu->instance && map_variables(fmu))
         return fmu;
-    fmi3FreeInstance(fmu);
+    FMI3(FreeInstance)(fmu);
     return NULL;
 }
 
-FMI3_EXPORT fmi3Instance fmi3InstantiateCoSimulation(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logging,
-    fmi3Boolean event_mode_used, fmi3Boolean early_return_allowed, const fmi3ValueReference intermediate[],
-    size_t intermediate_count, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    fmi3IntermediateUpdateCallback update) {
+FMI3_EXPORT fmi3Instance FMI3(InstantiateCoSimulation)(
+      fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible, fmi3Boolean logging,
+      fmi3Boolean event_mode_used, fmi3Boolean early_return_allowed, const fmi3ValueReference intermediate[],
+      size_t intermediate_count, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+      fmi3IntermediateUpdateCallback update) {
     (void)visible, (void)logging, (void)intermediate, (void)intermediate_count, (void)update;
     Fmu *fmu = instantiate(name, token, resources, environment, log);
     if (fmu) {
@@ -82,8 +82,8 @@ FMI3_EXPORT fmi3Instance fmi3InstantiateCoSimulation(
     return fmu;
 }
 
-FMI3_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
-                                           const fmi3String categories[]) {
+FMI3_EXPORT fmi3Status FMI3(SetDebugLogging)(fmi3Instance instance, fmi3Boolean on, size_t count,
+                                             const fmi3String categories[]) {
     if (!instance)
         return fmi3Error;
     for (size_t i = 0; i < count; i++)
@@ -94,9 +94,9 @@ FMI3_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on
     return fmi3OK;
 }
 
-FMI3_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined,
-                                                   fmi3Float64 tolerance, fmi3Float64 start,
-                                                   fmi3Boolean stop_defined, fmi3Float64 stop) {
+FMI3_EXPORT fmi3Status FMI3(EnterInitializationMode)(fmi3Instance instance, fmi3Boolean tolerance_defined,
+                                                     fmi3Float64 tolerance, fmi3Float64 start,
+                                                     fmi3Boolean stop_defined, fmi3Float64 stop) {
     Instance *core = core_of(instance);
     if (!core)
         return fmi3Error;
@@ -108,7 +108,7 @@ FMI3_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Bo
     return (fmi3Status)(entered > status ? entered : status);
 }
 
-FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+FMI3_EXPORT fmi3Status FMI3(ExitInitializationMode)(fmi3Instance instance) {
     Instance *core = core_of(instance);
     if (!core)
         return fmi3Error;
@@ -118,14 +118,12 @@ FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
     return (fmi3Status)status;
 }
 
-FMI3_EXPORT fmi3Status fmi3Terminate(fmi3Instance instance) {
-    Instance *core = core_of(instance);
-    return core ? (fmi3Status)instance_terminate(core) : fmi3Error;
+FMI3_EXPORT fmi3Status FMI3(Terminate)(fmi3Instance instance) {
+    CALLED(instance_terminate(core));
 }
 
-FMI3_EXPORT fmi3Status fmi3Reset(fmi3Instance instance) {
-    Instance *core = core_of(instance);
-    return core ? (fmi3Status)instance_reset(core) : fmi3Error;
+FMI3_EXPORT fmi3Status FMI3(Reset)(fmi3Instance instance) {
+    CALLED(instance_reset(core));
 }
 
 /* STATUS_OK when the references are those of variables with `scalars` scalars in all, for which there are values. */
@@ -156,8 +154,8 @@ static size_t run_of(const Fmu *fmu, const fmi3ValueReference *references, size_
     return length;
 }
 
-FMI3_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                                      fmi3Float64 values[], size_t value_count) {
+FMI3_EXPORT fmi3Status FMI3(GetFloat64)(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                        fmi3Float64 values[], size_t value_count) {
     Fmu *fmu = fmu_of(instance);
     if (!fmu)
         return fmi3Error;
@@ -173,8 +171,8 @@ FMI3_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueRefe
     return (fmi3Status)status;
 }
 
-FMI3_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-                                      const fmi3Float64 values[], size_t value_count) {
+FMI3_EXPORT fmi3Status FMI3(SetFloat64)(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+                                        const fmi3Float64 values[], size_t value_count) {
     Fmu *fmu = fmu_of(instance);
     if (!fmu)
         return fmi3Error;
@@ -190,59 +188,31 @@ FMI3_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueRefe
     return (fmi3Status)status;
 }
 
-FMI3_EXPORT fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
-    Instance *core = core_of(instance);
-    if (!core)
-        return fmi3Error;
-    SavedState *saved = *state;
-    Status status = instance_save(core, &saved);
-    *state = saved;
-    return (fmi3Status)status;
+FMI3_EXPORT fmi3Status FMI3(GetFMUState)(fmi3Instance instance, fmi3FMUState *state) {
+    CALLED(instance_save(core, (SavedState **)state));
 }
 
-FMI3_EXPORT fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
-    Instance *core = core_of(instance);
-    return core ? (fmi3Status)instance_restore(core, state) : fmi3Error;
+FMI3_EXPORT fmi3Status FMI3(SetFMUState)(fmi3Instance instance, fmi3FMUState state) {
+    CALLED(instance_restore(core, state));
 }
 
-FMI3_EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state) {
-    if (!instance)
-        return fmi3Error;
-    if (state) {
-        instance_forget(*state);
-        *state = NULL;
-    }
-    return fmi3OK;
+FMI3_EXPORT fmi3Status FMI3(FreeFMUState)(fmi3Instance instance, fmi3FMUState *state) {
+    CALLED(instance_forget((SavedState **)state));
 }
 
-static fmi3Status no_state(Instance *core) {
-    return core ? (fmi3Status)instance_fail(core, STATUS_ERROR, "there is no FMU state to serialize") : fmi3Error;
+FMI3_EXPORT fmi3Status FMI3(SerializedFMUStateSize)(fmi3Instance instance, fmi3FMUState state,
+                                                   size_t *size) {
+    CALLED(instance_serialized_size(core, state, size));
 }
 
-FMI3_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size) {
-    if (!instance || !state)
-        return no_state(core_of(instance));
-    *size = instance_serialized_size(state);
-    return fmi3OK;
+FMI3_EXPORT fmi3Status FMI3(SerializeFMUState)(fmi3Instance instance, fmi3FMUState state,
+                                              fmi3Byte bytes[], size_t size) {
+    CALLED(instance_serialize(core, state, bytes, size));
 }
 
-FMI3_EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[],
-                                             size_t size) {
-    if (!instance || !state)
-        return no_state(core_of(instance));
-    if (size < instance_serialized_size(state))
-        return (fmi3Status)instance_fail(core_of(instance), STATUS_ERROR, "%lu bytes are too few for the state",
-                                         (unsigned long)size);
-    instance_serialize(state, bytes);
-    return fmi3OK;
-}
-
-FMI3_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
-                                               fmi3FMUState *state) {
-    if (!instance)
-        return fmi3Error;
-    *state = instance_deserialize(core_of(instance), bytes, size);
-    return *state ? fmi3OK : fmi3Error;
+FMI3_EXPORT fmi3Status FMI3(DeserializeFMUState)(fmi3Instance instance, const fmi3Byte bytes[],
+                                                size_t size, fmi3FMUState *state) {
+    CALLED(instance_deserialize(core, bytes, size, (SavedState **)state));
 }
 
 /* References of all scalars of variables whose sizes were checked; there is room for each variable once. */
@@ -255,10 +225,10 @@ static Status expand(Fmu *fmu, const fmi3ValueReference *references, size_t coun
     return STATUS_OK;
 }
 
-FMI3_EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                                    size_t unknown_count, const fmi3ValueReference knowns[],
-                                                    size_t known_count, const fmi3Float64 seed[], size_t seed_count,
-                                                    fmi3Float64 sensitivity[], size_t sensitivity_count) {
+FMI3_EXPORT fmi3Status FMI3(GetDirectionalDerivative)(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                                      size_t unknown_count, const fmi3ValueReference knowns[],
+                                                      size_t known_count, const fmi3Float64 seed[], size_t seed_count,
+                                                      fmi3Float64 sensitivity[], size_t sensitivity_count) {
     Fmu *fmu = fmu_of(instance);
     if (!fmu)
         return fmi3Error;
@@ -275,7 +245,7 @@ FMI3_EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const
     return (fmi3Status)status;
 }
 
-FMI3_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+FMI3_EXPORT fmi3Status FMI3(EnterEventMode)(fmi3Instance instance) {
     Instance *core = core_of(instance);
     if (!core)
         return fmi3Error;
@@ -284,15 +254,14 @@ FMI3_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
     return (fmi3Status)instance_enter_event_mode(core);
 }
 
-FMI3_EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
-    Instance *core = core_of(instance);
-    return core ? (fmi3Status)instance_enter_step_mode(core) : fmi3Error;
+FMI3_EXPORT fmi3Status FMI3(EnterStepMode)(fmi3Instance instance) {
+    CALLED(instance_enter_step_mode(core));
 }
 
-FMI3_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *needs_update,
-                                                fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
-                                                fmi3Boolean *values_changed, fmi3Boolean *next_event_time_defined,
-                                                fmi3Float64 *next_event_time) {
+FMI3_EXPORT fmi3Status FMI3(UpdateDiscreteStates)(fmi3Instance instance, fmi3Boolean *needs_update,
+                                                  fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+                                                  fmi3Boolean *values_changed, fmi3Boolean *next_event_time_defined,
+                                                  fmi3Float64 *next_event_time) {
     Instance *core = core_of(instance);
     *needs_update = *terminate = *nominals_changed = *values_changed = *next_event_time_defined = false;
     *next_event_time = 0.0;
@@ -319,9 +288,9 @@ static Status check_step(Fmu *fmu, double end) {
     return instance_check_stop(core, end); /* which an early return must not hide */
 }
 
-FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 h, fmi3Boolean no_return,
-                                  fmi3Boolean *event_handling_needed, fmi3Boolean *terminate,
-                                  fmi3Boolean *early_return, fmi3Float64 *last_successful_time) {
+FMI3_EXPORT fmi3Status FMI3(DoStep)(fmi3Instance instance, fmi3Float64 time, fmi3Float64 h, fmi3Boolean no_return,
+                                    fmi3Boolean *event_handling_needed, fmi3Boolean *terminate,
+                                    fmi3Boolean *early_return, fmi3Float64 *last_successful_time) {
     (void)no_return;
     Fmu *fmu = fmu_of(instance);
     *event_handling_needed = *terminate = *early_return = false;

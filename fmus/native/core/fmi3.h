@@ -10,7 +10,6 @@
 
 #include "instance.h"
 #include "log_categories.h"
-#include "fmi3_names.h"
 
 typedef void *fmi3Instance;
 typedef void *fmi3InstanceEnvironment;
@@ -50,6 +49,15 @@ typedef void (*fmi3IntermediateUpdateCallback)(fmi3InstanceEnvironment, fmi3Floa
 typedef void (*fmi3LockPreemptionCallback)(void);
 typedef void (*fmi3UnlockPreemptionCallback)(void);
 
+/* Names of functions with a prefix, for hosts that link several FMUs statically and define
+   FMI3_FUNCTION_PREFIX (FMI 3.0, section 2.2.2). */
+#ifndef FMI3_FUNCTION_PREFIX
+#define FMI3_FUNCTION_PREFIX
+#endif
+#define FMI3_JOIN(prefix, name) prefix##name
+#define FMI3_PREFIXED(prefix, name) FMI3_JOIN(prefix, name)
+#define FMI3(name) FMI3_PREFIXED(FMI3_FUNCTION_PREFIX, fmi3##name)
+
 #if defined(_WIN32)
 #define FMI3_EXPORT __declspec(dllexport)
 #elif defined(__GNUC__)
@@ -75,5 +83,10 @@ typedef struct {
 static inline Fmu *fmu_of(fmi3Instance instance) { return instance; }
 
 static inline Instance *core_of(fmi3Instance instance) { return instance ? fmu_of(instance)->instance : NULL; }
+
+/* The body of a function that is a call of the core, named `core`. */
+#define CALLED(call)                                                                                             \
+    Instance *core = core_of(instance);                                                                          \
+    return core ? (fmi3Status)(call) : fmi3Error
 
 #endif

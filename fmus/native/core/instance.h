@@ -137,11 +137,11 @@ Status instance_port_stiffness(Instance *instance, size_t ports, double *matrix)
 /* Save into *state, which is made where it is NULL and reused otherwise. */
 Status instance_save(Instance *instance, SavedState **state);
 Status instance_restore(Instance *instance, const SavedState *state);
-void instance_forget(SavedState *state);
-size_t instance_serialized_size(const SavedState *state);
-void instance_serialize(const SavedState *state, unsigned char *bytes);
-/* NULL, with the reason logged, where the bytes are no state. */
-SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size);
+Status instance_forget(SavedState **state);
+Status instance_serialized_size(Instance *instance, const SavedState *state, size_t *size);
+Status instance_serialize(Instance *instance, const SavedState *state, unsigned char *bytes, size_t size);
+/* *made is NULL where the bytes are no state. */
+Status instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size, SavedState **made);
 
 #ifdef __GNUC__
 #pragma GCC visibility pop

@@ -64,7 +64,13 @@ Status instance_restore(Instance *instance, const SavedState *state) {
     return STATUS_OK;
 }
 
-void instance_forget(SavedState *state) { free(state); }
+Status instance_forget(SavedState **state) {
+    if (state) {
+        free(*state);
+        *state = NULL;
+    }
+    return STATUS_OK;
+}
 
 /* Owner, numbers, check sum of all the rest, values and states. */
 #define NUMBERS_BEFORE 8
@@ -80,21 +86,32 @@ static uint64_t check_sum(const unsigned char *bytes, size_t size) {
     return sum;
 }
 
-size_t instance_serialized_size(const SavedState *state) {
-    return HEADER + (state->known + state->states) * sizeof(double);
+static size_t size_of(const SavedState *state) { return HEADER + (state->known + state->states) * sizeof(double); }
+
+Status instance_serialized_size(Instance *instance, const SavedState *state, size_t *size) {
+    if (!state)
+        return instance_fail(instance, STATUS_ERROR, "there is no FMU state to serialize");
+    *size = size_of(state);
+    return STATUS_OK;
 }
 
-void instance_serialize(const SavedState *state, unsigned char *bytes) {
+Status instance_serialize(Instance *instance, const SavedState *state, unsigned char *bytes, size_t size) {
+    size_t needed = 0;
+    if (instance_serialized_size(instance, state, &needed) != STATUS_OK)
+        return STATUS_ERROR;
+    if (size < needed)
+        return instance_fail(instance, STATUS_ERROR, "%lu bytes are too few for the state", (unsigned long)size);
     double header[NUMBERS_BEFORE] = {state->time,           state->mode,      state->has_state, (double)state->known,
                                      (double)state->states, state->event_due, state->exchange,  state->interpolates};
     memcpy(bytes, state->owner, 16);
     memcpy(bytes + 16, header, sizeof header);
     memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
-    uint64_t sum = check_sum(bytes, instance_serialized_size(state));
+    uint64_t sum = check_sum(bytes, needed);
     memcpy(bytes + CHECKED, &sum, sizeof sum);
+    return STATUS_OK;
 }
 
-SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size) {
+Status instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size, SavedState **made) {
     double header[NUMBERS_BEFORE] = {0.0};
     size_t count = 0;
     uint64_t sum = 0;
@@ -107,11 +124,10 @@ SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes,
         if (!known_mode || !(header[3] >= 0.0 && header[3] <= (double)count) || header[3] + header[4] != (double)count)
             count = 0;
     }
-    SavedState *state = count ? malloc(sizeof *state + count * sizeof(double)) : NULL;
-    if (!state) {
-        instance_fail(instance, STATUS_ERROR, count ? "no memory for the FMU state" : "the bytes are no FMU state");
-        return NULL;
-    }
+    SavedState *state = *made = count ? malloc(sizeof *state + count * sizeof(double)) : NULL;
+    if (!state)
+        return instance_fail(instance, STATUS_ERROR,
+                             count ? "no memory for the FMU state" : "the bytes are no FMU state");
     memcpy(state->owner, bytes, 16);
     state->time = header[0];
     state->mode = (int)header[1];
@@ -122,5 +138,5 @@ SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes,
     state->exchange = header[6] != 0.0;
     state->interpolates = header[7] != 0.0;
     memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
-    return state;
+    return STATUS_OK;
 }

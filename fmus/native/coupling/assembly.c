@@ -414,7 +414,7 @@ static int stand(Assembly *a, const double *x) {
 static void destroy(void *self) {
     Assembly *a = self;
     for (size_t i = 0; i < a->participants && a->instance && a->saved; i++) {
-        instance_forget(a->saved[i]);
+        instance_forget(a->saved + i);
         instance_free(a->instance[i]);
     }
 }

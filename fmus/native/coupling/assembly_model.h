@@ -124,9 +124,7 @@ static int get_state_of(void *c, void **state) { return instance_save(c, (SavedS
 static int set_state_of(void *c, void *state) { return instance_restore(c, state); }
 static int free_state_of(void *c, void **state) {
     (void)c;
-    instance_forget(*state);
-    *state = NULL;
-    return 0;
+    return instance_forget((SavedState **)state);
 }
 static int derivative_of(void *c, const unsigned *unknowns, size_t unknown_count, const unsigned *knowns, size_t count,
                          const double *seed, double *result) {

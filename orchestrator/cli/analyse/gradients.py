@@ -11,12 +11,13 @@ import click
 
 import orchestrator as fanfold
 
-from ..options import SceneChoice, large_deformation_option, scene_choice
+from ...api.options import Picture
+from ..command import Asked, made_of
 from ..progress import progress
-from ..types import Number, Picture, Seconds
 
 if TYPE_CHECKING:
     from ...analysis.sampling.gradients import Gradients
+    from ...scene.builder import Scene
 
 
 _SURE, _MOST, _REAL = 0.01, 10.0, 0.1
@@ -24,55 +25,19 @@ _SURE, _MOST, _REAL = 0.01, 10.0, 0.1
 the third a derivative of a number that is round-off is shown."""
 
 
-@click.command("gradients")
-@scene_choice
-@large_deformation_option
-@click.option(
-    "--by", "keys", multiple=True, required=True, metavar="KEY",
-    help=(
-        "Key to differentiate by, such as hinge_line.HL1.motor.stowed; 'KEY*' is a factor, keys separated by "
-        "commas change together; repeatable."
-    ),
-)  # fmt: skip
-@click.option(
-    "--verify/--no-verify",
-    default=True,
-    show_default=True,
-    help=(
-        "Repeat all at a tenth of the tolerance, which shows the errors. Without it they are unknown, and loads "
-        "may be wrong, even in sign."
-    ),
-)
-@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
-@click.option(
-    "--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time of the run in seconds."
-)
-@click.option(
-    "-o", "--output", type=Picture(), metavar="FILE", default=None,
-    help="Picture; by default SCENE.gradients.png.",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(
-    choice: SceneChoice,
-    large_deformation: frozenset[str],
-    keys: tuple[str, ...],
-    verify: bool,
-    tolerance: float | None,
-    until: float | None,
-    output: Path | None,
-    as_json: bool,
-) -> None:
-    """Derivatives of the headline numbers of SCENE with respect to its keys, through all latch-ups."""
-    found = fanfold.gradients(
-        choice.load(),
-        keys,
-        **choice.fidelities,
-        large_deformation=large_deformation,
-        verify=verify,
-        tolerance=tolerance,
-        until=until,
-        progress=progress,
-    )
+@made_of("gradients", name="gradients", keys={"flags": "--by", "metavar": "KEY"})
+def command(scene: Scene, asked: Asked, output: Picture | None = None, as_json: bool = False) -> None:
+    """Derivatives of the headline numbers of SCENE with respect to its keys, through all latch-ups.
+
+    Options
+    -------
+    keys
+        key to differentiate by, such as hinge_line.HL1.motor.stowed; 'KEY*' is a factor, keys separated by commas
+        change together; repeatable
+    output
+        picture; by default SCENE.gradients.png
+    """
+    found = fanfold.gradients(scene, **asked["gradients"], progress=progress)
     from ...views.gradients import plot_gradients  # matplotlib takes its time
 
     picture = plot_gradients(found, output or Path(f"{found.scene}.gradients.png"))

@@ -27,7 +27,7 @@ _descriptions: dict[bytes, Described] = {}
 
 
 class Described(NamedTuple):
-    """The model description of an FMU, Fanfold's annotation in it, its real variables and how many they are."""
+    """The model description of an FMU, Fanfold's annotation in it, and its real variables."""
 
     description: Any
     annotation: ElementTree.Element | None
@@ -35,7 +35,6 @@ class Described(NamedTuple):
     inputs: tuple[Layout, list[int]]
     outputs: tuple[Layout, list[int]]
     observations: tuple[Layout, list[int]]
-    numbers: int
 
     @classmethod
     def of(cls, description: Any, annotation: ElementTree.Element | None) -> Described:  # noqa: ANN401
@@ -50,7 +49,6 @@ class Described(NamedTuple):
             _group(v for v in reals if v.causality == "input"),
             _group(v for v in outputs if _is_coupled(v.name)),
             (_with_roles(layout, annotation), observed),
-            len(reals),
         )
 
 

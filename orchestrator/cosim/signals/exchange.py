@@ -8,10 +8,7 @@ from math import inf
 import numpy as np
 
 from ...assembly import Event
-from ..implicit.convergence import Solution
-from ..implicit.solver import Solver
 from ..participant import Participant, Vector
-from .iteration import Iteration
 from .joined import JoinedFmu, Participants, recorded
 from .process import SignalProcess
 
@@ -22,7 +19,7 @@ class SignalExchange:
     """Steps FMUs with signals together with the participants, each from one of its communication points to the next.
 
     An FMU steps when the participants have reached the end of its step, with the inputs there; its outputs act on them
-    from then on (zero-order hold). Iterated FMUs make every step of the participants instead, see `iteration`.
+    from then on (zero-order hold).
     observations: of all participants in order. bodies: names of the bodies. values: recorded signals, see `recorded`.
     """
 
@@ -41,32 +38,8 @@ class SignalExchange:
             JoinedFmu(one, known, self.values[a:b])
             for one, a, b in zip(processes, ends[:-1], ends[1:], strict=True)
         ]
-        self._sampled = [one for one in self._all if not one.fmu.iterated]
-        self._steps = [0] * len(self._sampled)
+        self._steps = [0] * len(self._all)
         self._sets_bodies = known.set_among(bodies)
-        iterated = [one for one in self._all if one.fmu.iterated]
-        self._iteration = Iteration(iterated) if iterated else None
-
-    @property
-    def iterates(self) -> bool:
-        """Whether there are FMUs that take every step of the participants."""
-        return self._iteration is not None
-
-    @property
-    def longest_step(self) -> float:
-        """Largest step (s) of iterated FMUs."""
-        return inf if self._iteration is None else self._iteration.longest_step
-
-    def solve(self, solver: Solver, time: float, h: float, tolerance: float) -> Solution:
-        """A step h (s) of the participants, with the FMUs that are iterated."""
-        if self._iteration is None:
-            return solver.solve(time, h, solver.predicted(time, h))
-        return self._iteration.solve(solver, time, h, tolerance)
-
-    def accept(self, h: float) -> None:
-        """The step solved last, over h (s), is made."""
-        if self._iteration is not None:
-            self._iteration.accept(h)
 
     @property
     def is_any(self) -> bool:
@@ -80,11 +53,11 @@ class SignalExchange:
 
     @property
     def next_time(self) -> float:
-        """Time (s) of the next communication point of any that is sampled."""
-        return min((self._next(k) for k in range(len(self._sampled))), default=inf)
+        """Time (s) of the next communication point of any."""
+        return min((self._next(k) for k in range(len(self._all))), default=inf)
 
     def _next(self, k: int) -> float:
-        return (self._steps[k] + 1) * self._sampled[k].fmu.step
+        return (self._steps[k] + 1) * self._all[k].fmu.step
 
     def is_due(self, time: float) -> bool:
         """Whether an FMU has come to the end of its step."""
@@ -103,11 +76,11 @@ class SignalExchange:
 
         They are given what was before any of them set something.
         """
-        due = [k for k in range(len(self._sampled)) if self._next(k) <= time + _REACHED]
+        due = [k for k in range(len(self._all)) if self._next(k) <= time + _REACHED]
         given = []
         for k in due:
-            one = self._sampled[k]
+            one = self._all[k]
             given.append(one.sample(self._steps[k] * one.fmu.step, one.fmu.step))
             self._steps[k] += 1
         pairs = zip(due, given, strict=True)
-        return any([self._sampled[k].take(outputs, self._sampled[k].fmu.step, time) for k, outputs in pairs])
+        return any([self._all[k].take(outputs, self._all[k].fmu.step, time) for k, outputs in pairs])

@@ -69,10 +69,6 @@ class Participants:
         """Set these parameters no longer, which something else has set."""
         self._left |= set(targets)
 
-    def may_set(self, signal: Signal) -> bool:
-        """Whether nothing else has set its parameter."""
-        return (signal.part, signal.quantity) not in self._left
-
     def set(self, values: Iterable[tuple[Signal, float]], who: str, time: float) -> bool:
         """Set parameters; whether anything changed. ParticipantError with who set them at a time (s)."""
         changed: dict[Target, Vector] = {}
@@ -100,7 +96,6 @@ class JoinedFmu:
         self._participants, self._values = participants, values
         self._sources = [participants.source(s) for s in self.fmu.inputs]
         self._last: Mapping[str, float] = {}
-        self._time = 0.0
         for signal in self.fmu.outputs:
             participants.will_set(signal)
 
@@ -128,45 +123,12 @@ class JoinedFmu:
             self.fmu.name,
             time,
         )  # fmt: skip
-        self.accept(given)
-        return changed
-
-    def accept(self, given: Mapping[str, float]) -> None:
-        """Its outputs now, which the next step starts from, and its inputs, for the record."""
         self._last = given
         self._note(given)
-
-    def tried(self, h: float) -> Mapping[str, float]:
-        """Its outputs after a step over h (s) from where it was kept, with the present inputs, which are of the end."""
-        return self._named(self.process.tried(self._time, h, self.inputs()), self._time + h)
-
-    def keep(self, given: Mapping[str, float], h: float) -> None:
-        """The step tried last, over h (s), led to these outputs and is made."""
-        self.process.keep(self._time + h)
-        self._time += h
-        self.accept(given)
-
-    def means(self, given: Mapping[str, float], h: float) -> Vector:
-        """Means of its outputs over a step h (s) that ends with these: of both ends, or from impulses."""
-        return np.array(
-            [
-                self._growth(s, given) / h
-                if s.is_impulse
-                else s.arriving(0.5 * (given[s.variable] + self._last[s.variable]))
-                for s in self.fmu.outputs
-            ]
-        )
-
-    def act(self) -> list[bool]:
-        """Which of its outputs set something still."""
-        return [self._participants.may_set(s) for s in self.fmu.outputs]
+        return changed
 
     def _growth(self, signal: Signal, given: Mapping[str, float]) -> float:
         return (given[signal.variable] - self._last[signal.variable]) * signal.factor
-
-    def set(self, values: Sequence[float], time: float) -> None:
-        """Set what its outputs are joined to, in their order."""
-        self._participants.set(zip(self.fmu.outputs, values, strict=True), self.fmu.name, time)
 
     def inputs(self) -> list[float]:
         """What it is given at present."""

@@ -11,7 +11,7 @@ from ...messages import is_note
 from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
 from ...results.earlier import SETTINGS
-from ...results.key_figures import Headline, headline, headline_rows
+from ...results.key_figures import Headline, headline, headline_rows, messages
 from ...results.parts import MESSAGES, json_of
 from ...results.point_loads import event_loads
 from ...results.result import Result
@@ -61,7 +61,7 @@ def _numbers(result: Result, found: Headline) -> Iterator[str]:
     yield heading("Headline numbers")
     columns = ("quantity", "of", "value", "unit", "estimated error")
     yield table(columns, headline_rows(found), numeric=(2, 4))
-    for sentence in dict.fromkeys((*result.stored_messages, *found.open_ends(), *found.warnings)):
+    for sentence in messages(result, found):
         yield paragraph(f"{'Note' if is_note(sentence) else 'Warning'}: {sentence}", "warning")
     if waits := [one.sentence(float(result.time[-1])) for one in quiet(result)]:
         yield heading("After the prescribed motion")

@@ -39,7 +39,7 @@ FAILING = {
     "exit_at_instantiation": "exit code 0 during fmi2Instantiate",
     "hang_at_instantiation": "it hangs, fmi2Instantiate",
     "no_instance": "licence server",
-    "no_instance_no_word": "fmi2Instantiate",
+    "no_instance_no_word": "instantiate",
     "error_in_fmi2SetupExperiment": "refused by fmi2SetupExperiment",
     "error_in_fmi2EnterInitializationMode": "refused by fmi2EnterInitializationMode",
     "crash_in_fmi2EnterInitializationMode": "crashed during fmi2EnterInitializationMode",

@@ -14,7 +14,6 @@ from orchestrator.assembly import HingeLine
 from orchestrator.cli.tables import headline_tables
 from orchestrator.results.key_figures import (
     _given,
-    _with_magnitudes,
     headline,
     headline_rows,
     line_latch_torque,
@@ -46,16 +45,6 @@ def test_rates_at_latch_up_are_those_just_before(found):
         {line.name: line.latch_rate for line in reference.LINES}, rel=1e-9
     )
     assert found.latch_energies == {}  # its lines have no inertia
-
-
-def test_a_magnitude_is_off_by_the_components_that_it_consists_of():
-    """First order, at a peak of (3, 4) N that is off by (0.1, 0.2): its error along the force, bounded from above."""
-    load = "interface force peak"
-    numbers = [((load, "x"), 3.0), ((load, "y"), 4.0), (("interface force magnitude peak", ""), 5.0)]
-    errors = {(load, "x"): 0.1, (load, "y"): 0.2}
-    found = _with_magnitudes(numbers, errors)["interface force magnitude peak", ""]
-    assert found == pytest.approx(0.62 * 0.1 + 0.84 * 0.2)
-    assert found > np.hypot(3.1, 4.2) - 5.0
 
 
 def test_identifiers_are_fixed_and_each_is_one_number(found):

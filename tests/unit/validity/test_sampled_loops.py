@@ -25,9 +25,7 @@ def test_a_loop_that_its_step_makes_unstable_is_told(kind):
     Regression: a wing that a controller shook apart was told to have hinges too soft, and no word of the controller.
     """
     torque = np.repeat(SIGNALS[kind], 7)  # rows between communication points
-    fmu = SimpleNamespace(
-        name="pd", step=0.1, iterated=False, outputs=[SimpleNamespace(variable="torque")], inputs=[]
-    )
+    fmu = SimpleNamespace(name="pd", step=0.1, outputs=[SimpleNamespace(variable="torque")], inputs=[])
     result = SimpleNamespace(
         has=lambda *of: of == ("pd", "torque"), signal=lambda *of: torque, unit=lambda *of: "N.m"
     )

@@ -121,7 +121,7 @@ def test_an_fmu_that_writes_into_the_pipe_is_named(tmp_path):
         "[os.write(k, b'\\0\\0\\0\\4none') for k in range(3, 64) if os.path.exists(f'/proc/self/fd/{k}') "
         + ("and os.readlink(f'/proc/self/fd/{k}').startswith('socket')]")
     )
-    with pytest.raises(fanfold.FanfoldError, match=r"controller: at t = .*read"):
+    with pytest.raises(fanfold.FanfoldError, match=r"controller: .* t = .*read"):
         fanfold.simulate(controlled(slave(tmp_path, fault=fault)), estimate=False)
 
 

@@ -87,6 +87,14 @@ def test_differences_have_no_offset(tmp_path, relative):
     assert first == pytest.approx(0.0 if relative else -0.02, abs=1e-9)
 
 
+def test_an_impulse_acts_by_its_growth(tmp_path):
+    """Definition: an impulse of 0.1 N.m.s more with every step of 0.05 s is a torque of 2 N.m over the step."""
+    file = slave(tmp_path, fault="self.torque = 0.1 * self.count")
+    units = '<Unit name="N.m.s"><BaseUnit kg="1" m="2" s="-1"/></Unit>'
+    run = fanfold.simulate(controlled(with_units(file, "", units, torque='unit="N.m.s"')), estimate=False)
+    assert run["wheel", "applied_torque"][-1] == pytest.approx(2.0, rel=1e-9)
+
+
 def panel_on_two_hinges(file, **joined):
     scene = fanfold.Scene("line", until="0.2 s")
     scene.base("ground", points={"left": (0, -0.5, 0), "right": (0, 0.5, 0)})
