@@ -27,7 +27,7 @@ def gradients(
 ) -> Gradients:
     """Derivatives of all headline numbers with respect to keys of a scene, through latch-ups and other events.
 
-    Neighbouring runs with slightly different values use the same steps as the nominal run.
+    The run is replayed on the same steps with slightly different values, one run a key.
 
     Parameters
     ----------
@@ -37,8 +37,9 @@ def gradients(
         such as ``["hinge_line.HL1.motor.stowed", "friction.coefficient"]``; a key that ends in ``*`` is a factor; keys
         separated by commas change together
     verify : bool
-        `errors` include step-size errors, from a second run at a tenth of the tolerance, for twice the cost; without it
-        loads may be wrong, even in sign
+        repeat all at a tenth of the tolerance, for about three times the cost: derivatives are those of the smaller
+        tolerance, and `errors` their differences from the others; without it errors are unknown, and loads may be
+        wrong, even in sign
     rigid, flexible, large_deformation, until, tolerance, progress
         see `simulate`
 

@@ -35,7 +35,7 @@ def tune(
 ) -> Tuned:
     """Fit parameters of a scene to target values of headline numbers and to measured curves.
 
-    Bounded least squares from the values of the scene, with derivatives from `gradients` or finite differences.
+    Bounded least squares from the values of the scene, with finite differences of runs.
 
     Parameters
     ----------

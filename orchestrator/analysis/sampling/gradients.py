@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import zip_longest
-from math import nan
+from math import inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -277,9 +277,9 @@ def _size(one: Parameter) -> float:
 
 
 def _aligned(other: _Slopes, found: _Slopes) -> Vector:
-    """(N, P) derivatives of the numbers of another run; NaN for those that it does not have."""
+    """(N, P) derivatives of the numbers of another run; infinite for those that it does not have."""
     rows = {number.key: row for number, row in zip(other.numbers, other.derivatives, strict=True)}
-    missing = np.full(found.derivatives.shape[1], nan)
+    missing = np.full(found.derivatives.shape[1], inf)
     return np.array([rows.get(number.key, missing) for number in found.numbers])
 
 

@@ -1,4 +1,4 @@
-"""`fanfold analyse gradients`: derivatives of headline numbers with respect to keys of a scene, from one deployment."""
+"""`fanfold analyse gradients`: derivatives of headline numbers with respect to keys of a scene, from replayed runs."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ def command(scene: Scene, asked: Asked, output: Picture | None = None, as_json: 
     if as_json:
         click.echo(json.dumps(found.plain()))
     else:
-        _report(found, asked["gradients"]["verify"])
+        _report(found)
     if warning := found.warning:
         click.echo(warning, err=True)
     click.echo(picture, err=as_json)
 
 
-def _report(found: Gradients, verified: bool) -> None:
+def _report(found: Gradients) -> None:
     from ..tables import Column, tables_that_fit, terminal
 
     console, round_off, unreliable = (
@@ -62,7 +62,7 @@ def _report(found: Gradients, verified: bool) -> None:
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
         Column(
-            "error" if verified else "without those\nof steps sure to",
+            "error",
             [
                 "round-off" if nothing else f"{error:.0e}" if error > 0.0 else ""
                 for nothing, error in zip(round_off, found.errors.tolist(), strict=True)

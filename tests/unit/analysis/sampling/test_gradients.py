@@ -157,7 +157,7 @@ def test_numbers_are_those_of_the_run():
 
 
 def test_through_an_event_at_a_condition():
-    """Closed form: a torque T up to half the angle, T / 2 beyond, from where a neighbour meets it at its own time."""
+    """Closed form: a torque T up to half the angle, T / 2 beyond, from where a replay meets it at its own time."""
     scene = flap()
     scene.event(
         "weaker",
