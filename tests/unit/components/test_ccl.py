@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from components.ccl import CableLoop
@@ -101,7 +101,6 @@ def test_guided_cable_puts_its_torque_on_the_guide():
 
 @pytest.mark.parametrize("guided", [False, True])
 @given(turn=st.floats(-40.0, 40.0))
-@settings(max_examples=30)
 def test_tension_is_never_negative(guided, turn):
     """Law of a cable: a slack strand carries nothing, the other one at least the preload, after any turn."""
     component, c = loop("endpoint", guided)

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import fixed_quad
 from scipy.spatial.transform import Rotation
@@ -142,7 +142,6 @@ def drag(mode="mean", start=-0.4, end=1.1, width=0.7):
 
 
 @given(turn=THREE, velocity=THREE, spin=THREE)
-@settings(max_examples=30)
 def test_strips_one_by_one(turn, velocity, spin):
     """Independent formulation: forces and moments of 4000 strips; the midpoint rule errs by a few 1e-8 of them."""
     component, c = drag("endpoint")
@@ -169,7 +168,6 @@ def test_strips_one_by_one(turn, velocity, spin):
     flipped=st.booleans(),
     h=st.sampled_from((1e-3, 1.0)),
 )
-@settings(max_examples=30)
 def test_heat_is_the_work_taken(first, second, flipped, h):
     """Passivity: the heat is the work of the wrench and never negative but for round-off, at any step size.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -192,7 +192,6 @@ def test_a_step_with_event_mode_ends_at_the_release(tmp_path):
 
 
 @given(move=POINT, turn=SMALL, h=st.sampled_from((1e-3, 0.1)), command=st.sampled_from((0.0, 1.0)))
-@settings(max_examples=30)
 def test_work_is_energy(move, turn, h, command):
     """Conservation law of one step: work of both wrenches, elastic energy and heat sum to zero, released or not."""
     component, c = hold_down(release_time=0.05)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from components.ccl import CableLoop
@@ -107,7 +107,6 @@ def posed(name, component, moved, moments=None, **commands):
 @pytest.mark.parametrize("order", [2.0, 4.0])
 @pytest.mark.parametrize("name", CASES)
 @given(st.tuples(PORTS, PORTS, PORTS), st.tuples(PORTS, PORTS), st.tuples(PORTS, PORTS))
-@settings(max_examples=30)
 def test_work_is_the_change_of_energy(name, order, moved, first, second):
     """Exact, whatever the moments: means on changes and slopes on moments against what is stored, lost and supplied."""
     component, c = case(name, order=order)
@@ -139,7 +138,6 @@ def test_work_is_the_change_of_energy(name, order, moved, first, second):
 
 @pytest.mark.parametrize(("name", "mode", "order"), BOTH_SIDED)
 @given(st.tuples(PORTS, PORTS), PORTS, st.tuples(PORTS, PORTS), THREE)
-@settings(max_examples=30)
 def test_wrenches_give_no_momentum(name, mode, order, moved, turns, moments, about):
     """Conservation law over a step (mean) or at its end, all ports turning and moving; round-off of up to 2e3 N."""
     component, c = case(name, mode, **({} if name == "contact" else {"order": order}))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -185,7 +185,6 @@ def rail(mode="mean", normal=(0.0, 1.0, 0.0), **change):
     about=st.sampled_from(((1, 0, 0), (0, 1, 0), (0.6, 0, 0.8))),
     h=st.sampled_from((1e-3, 0.1)),
 )
-@settings(max_examples=30)
 def test_work_is_energy(move, turn, about, h):
     """Conservation law of one step from the start: elastic energy and heat are the work that the trolley gives."""
     component, c = rail()

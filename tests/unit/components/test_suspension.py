@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -115,7 +115,6 @@ def suspension(mode="mean", **change):
 
 
 @given(first=POINT, second=POINT, turns=st.tuples(POINT, POINT), about=POINT)
-@settings(max_examples=30)
 def test_action_is_reaction_and_work_is_energy(first, second, turns, about):
     """Conservation laws of one step, for any motion of both ports: force, moment, and work against energy."""
     component, c = suspension()

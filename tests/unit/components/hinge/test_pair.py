@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -51,7 +51,6 @@ def pushed(component, place, turn, moments, inboard=(0.0, 0.0, 0.0), command=1.0
     bases=st.tuples(THREE, THREE, THREE),
     moments=st.tuples(MOMENTS, MOMENTS),
 )
-@settings(max_examples=30)
 def test_work_is_the_change_of_energy(latch, order, turns, places, bases, moments):
     """Work of means and slopes + stored + heat = 0 to round-off, whatever the moments; all laws at once.
 
@@ -82,7 +81,6 @@ ANY = st.tuples(LARGE, LARGE, LARGE)
 
 
 @given(st.tuples(ANY, ANY), st.tuples(ANY, ANY), st.tuples(ANY, ANY, ANY, ANY), st.tuples(ANY, ANY), ANY, ANY)
-@settings(max_examples=30)
 def test_slopes_and_moments_are_adjoint(turns, gaps, moments, loads, swings, slopes_of_torque):
     """Virtual work of the slopes of loads, with what they add to the mean torque on the inboard port."""
     frames = [tuple(np.roll(Rotation.from_rotvec(turn).as_quat(), 1).tolist()) for turn in turns]
@@ -109,7 +107,6 @@ def test_turn_between_frames_is_that_of_a_difference(turns, vector):
 
 @pytest.mark.parametrize(("mode", "order"), [("mean", 2.0), ("mean", 4.0), ("endpoint", 2.0)])
 @given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE, moments=MOMENTS)
-@settings(max_examples=30)
 def test_wrenches_give_no_momentum(mode, order, first, second, about, moments):
     """Conservation law over a step or at its end, both ports turning and moving; round-off of forces up to 1e3 N."""
     component, c = hinge(mode, {**HARNESS, "latch": "spring"}, **MECHANISM, order=order)
@@ -212,7 +209,6 @@ def test_mean_and_slope_are_of_order_four_and_three(structure):
 
 
 @given(MOMENTS, st.tuples(ANY, ANY))
-@settings(max_examples=30)
 def test_order_two_takes_no_note_of_moments(moments, motions):
     """The parameter's start: same bits, and slopes zero."""
     component, c = hinge("mean", {**HARNESS, "latch": "spring"}, **MECHANISM)

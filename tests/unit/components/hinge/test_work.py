@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -78,7 +78,6 @@ def test_mean_torque_points_along_the_mean_of_the_axis():
 
 
 @given(swing=st.floats(-0.3, 0.3), rate=st.tuples(*[st.floats(-1.0, 1.0)] * 3))
-@settings(max_examples=30)
 def test_opening_torque_does_the_work_of_the_hinge_angle(swing, rate):
     """Virtual work: torque times relative rate is the opening torque times the rate of the angle, at any swing.
 
