@@ -21,6 +21,7 @@ from ..run.run import RunError
 from ..run.simulation import Simulation
 from ..run.verify import Verified
 from ..scene.builder import Names, listed
+from ..validity.travel import messages
 from .progress import chosen, in_notebook
 from .quantities import Quantity, in_si
 
@@ -117,7 +118,7 @@ class Result(Record):
 
     @property
     def _messages(self) -> tuple[str, ...]:
-        return key_figures.messages(self, self.headline)
+        return messages(self, self.headline)
 
     def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
         """Repeat the run with steps halved and quartered: extrapolated value, error and order of every headline number.

@@ -16,7 +16,6 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 from ..assembly import HingeLine
 from ..messages import is_note, message
 from ..records import short_repr
-from .crests import Peak
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import POINT_PEAKS, Key, error_messages, round_off_of_loads
 from .identifiers import identifier, load_words
@@ -25,12 +24,8 @@ from .latch_rate import latch_energies, latch_rates
 from .line_travel import (
     Overrun,
     ShortOf,
-    bent,
-    beyond_tables,
-    folded_back,
     has_motor,
     overruns,
-    pressed_stops,
     reached_stops,
     short_of_deployed,
     short_of_stops,
@@ -98,15 +93,11 @@ class Headline:
     latch that passed their deployed angle. short_of_deployed: such lines that never came to it, motors_short: those of
     them that a motor opens. short_of_stops: lines that an end stop alone ends and that never came to it;
     reached_stops: when (s) such lines came to it.
-    pressed_stops: how far (rad) and when (s) lines went beyond one that gave way like none. folded_back: how far (rad)
-    and when (s) lines with a latch or an end stop went furthest behind where they started. beyond_tables: the angle
-    (rad) furthest beyond the tables of a line's motor and harness, and when. bent: how far (rad) and when
-    lines turned furthest about other axes than their own, where that is more than any hinge does.
     latch_rates: size of each line's rate just before its latch-up, rad/s; latch_energies: kinetic energy that the latch
     takes up, J, see `latch_energies`.
-    latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
-    lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
-    latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
+    latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line. latch_impulses: of locks, which are
+    kinematic latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing.
+    interface_*_peaks:
     magnitude of each component (x, y, z) of what all ports bring onto the base, about its origin in its axes; its own
     inertia is no part of it. port_*_peaks: magnitude of the vector at each of its ports, by name, torques about the
     port; hinge_*_peaks: the same at each hinge between other bodies, on the outboard one. attitude_peaks (rad),
@@ -129,7 +120,6 @@ class Headline:
     overruns: Mapping[str, Overrun]
     latch_torque_peaks: Mapping[str, float]
     latch_impulses: Mapping[str, float]
-    peaks_at_end: tuple[str, ...]
     interface_force_peaks: tuple[float, ...]
     interface_torque_peaks: tuple[float, ...]
     torque_peaks: Mapping[str, Mapping[str, float]]
@@ -144,13 +134,9 @@ class Headline:
     refined_tolerance: float | None = None
     fixed_step: bool = False
     estimated_errors: Mapping[Key, float] | None = None
-    folded_back: Mapping[str, Peak] = field(default_factory=dict)
-    beyond_tables: Mapping[str, Peak] = field(default_factory=dict)
-    bent: Mapping[str, Peak] = field(default_factory=dict)
     short_of_deployed: Mapping[str, ShortOf] = field(default_factory=dict)
     motors_short: tuple[str, ...] = ()
     short_of_stops: Mapping[str, ShortOf] = field(default_factory=dict)
-    pressed_stops: Mapping[str, Peak] = field(default_factory=dict)
     port_force_peaks: Mapping[str, float] = field(default_factory=dict)
     port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
     hinge_force_peaks: Mapping[str, float] = field(default_factory=dict)
@@ -213,57 +199,6 @@ class Headline:
     def warnings(self) -> tuple[str, ...]:
         """Messages on numbers that are less accurate than an engineer expects."""
         return tuple(one for one in self.messages if not is_note(one))
-
-    def open_ends(self) -> Iterator[str]:
-        """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
-        for line, standing in self.not_opened.items():
-            went = (
-                ""
-                if line in self.unlatched_angles
-                else f" (largest angle {degrees(standing.largest):.2f} deg)"
-            )
-            yield message(
-                "W-not-opened",
-                f"{line} {standing.missing}{went}. At {self.end_time:g} s it {standing.state}.",
-            )
-        for line, passed in self.overruns.items():
-            yield message(
-                "W-no-end",
-                f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
-                f"{passed.passed_at:.4g} s: largest angle {degrees(passed.largest):.2f} deg, at {self.end_time:g} s "
-                f"{degrees(passed.last):.2f} deg. Add a latch or an end_stop.",
-            )
-        for line, depth in self.pressed_stops.items():
-            yield message(
-                "W-stop-pressed",
-                f"{line} moved {degrees(depth.value):.0f} deg beyond its end stop at {depth.time:.4g} s. Check the "
-                "stiffness of end_stop.",
-            )
-        for line, back in self.folded_back.items():
-            yield message(
-                "W-folded-back",
-                f"{line} folded back {degrees(back.value):.1f} deg behind its start angle at {back.time:.4g} s. Add a "
-                "contact or a hold_down where bodies would touch.",
-            )
-        for line, stood in self.beyond_tables.items():
-            yield message(
-                "W-table-range",
-                f"{line} reached {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
-                "or harness, whose last slopes are extrapolated. Extend the tables, or limit the travel of the line.",
-            )
-        for line, bend in self.bent.items():
-            yield message(
-                "W-bent",
-                f"the hinges of {line} bent across their line by {degrees(bend.value):.0f} deg at {bend.time:.4g} s, "
-                "beyond the small angles of their springs. Check cross_stiffness and rotational_stiffness, and whether "
-                "a line with one hinge can carry its load.",
-            )
-        for line in self.peaks_at_end:
-            yield message(
-                "W-peak-at-end",
-                f"the latch torque of {line} is largest at the end of the run, {self.end_time:g} s. Run longer to "
-                "include its peak.",
-            )
 
     def numbers(self) -> Iterator[Number]:
         """Every number in a row of its own, with its estimated error where there is one."""
@@ -334,11 +269,6 @@ class Headline:
                 yield Number(max_of(variable), name, high, "N")
 
 
-def messages(result: Result, found: Headline) -> tuple[str, ...]:
-    """Messages of a run, of lines that have not opened, and on the accuracy of numbers; each once."""
-    return tuple(dict.fromkeys((*result.stored_messages, *found.open_ends(), *found.messages)))
-
-
 def headline(result: Result) -> Headline:
     """Headline numbers of a result; what a scene does not have is left empty."""
     times = latch_times(result)
@@ -363,20 +293,15 @@ def headline(result: Result) -> Headline:
         unlatched_angles=unlatched,
         not_opened=not_opened(result, _missing(unlatched, {x: short[x] for x in motors_short}, stops)),
         overruns=overruns(result),
-        folded_back=folded_back(result),
-        beyond_tables=beyond_tables(result),
-        bent=bent(result),
         short_of_deployed=short,
         motors_short=motors_short,
         short_of_stops=stops,
         reached_stops=reached_stops(result),
-        pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses=impulses,
         latch_rates=rates,
         latch_energies=latch_energies(result, times, rates, impulses),
         slack=slack_strands(result),
-        peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
         base_load_peaks={unit: _magnitude_peak(result, INTERFACE_LOAD, unit) for unit in ("N", "N.m")},

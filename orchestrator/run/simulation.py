@@ -33,6 +33,7 @@ from ..validity.events import event_warnings
 from ..validity.linear_range import linear_range_warnings
 from ..validity.opened_joints import opened_joint_warnings
 from ..validity.sampled_loops import sampled_loop_warnings
+from ..validity.travel import travel_warnings
 from .checkpoint import Checkpoint, checkpoint_file
 from .error_estimate import with_estimates
 from .load_energy import with_energy_of_loads
@@ -233,7 +234,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     if options.step is not None and outcome.costs.rejected:
         yield message("W-step-divided", _divided(assembly, options.step, outcome))
     yield from coded("W-fmu-loop", sampled_loop_warnings(assembly, outcome.result))
-    yield from outcome.headline.open_ends()
+    yield from travel_warnings(outcome.result, outcome.headline)
     yield from coded("W-preload", lost_preloads(assembly, outcome.result))
     yield from coded("W-preload", moved_starts(assembly, outcome.result))
     yield from coded("W-event", event_warnings(assembly, outcome.result))

@@ -11,10 +11,11 @@ from ...messages import is_note
 from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
 from ...results.earlier import SETTINGS
-from ...results.key_figures import Headline, headline, headline_rows, messages
+from ...results.key_figures import Headline, headline, headline_rows
 from ...results.parts import MESSAGES, json_of
 from ...results.point_loads import event_loads
 from ...results.result import Result
+from ...validity.travel import messages
 
 _FIDELITIES = {"flexible": "flexible bodies", "large_deformation": "bodies of large deformation"}
 _SCENE = ("scene", "scene_tree", SETTINGS, MESSAGES, *_FIDELITIES)
