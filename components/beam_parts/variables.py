@@ -13,7 +13,6 @@ from ..contract.component import ComponentError, Quantity, Vector
 from ..contract.roles import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY
 
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
-INERTIA_AXES = ("inertia_x", "inertia_y", "inertia_z")
 
 
 class Section(NamedTuple):
