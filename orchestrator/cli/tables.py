@@ -48,8 +48,8 @@ def table_of(
         if heading in left:
             table.add_column(heading, overflow="fold", no_wrap=heading in whole)
         else:
-            column = Column(heading, [row[k] for row in cells])
-            table.add_column(heading, justify="right", no_wrap=True, min_width=column.width)
+            longest = max(map(len, (*heading.split(), *(row[k] for row in cells))), default=0)
+            table.add_column(heading, justify="right", min_width=longest)
     for row in cells:
         table.add_row(*row)
     return table

@@ -313,8 +313,8 @@ def test_what_is_wrong_is_told(result, tmp_path, accelerated, geometry, static):
         ((bare, "--body", "panel1"), "scene"),
         ((changed, "--body", "panel1"), "modes"),
         ((result, "--body", "panel1", "--nodes", "1,100000"), "mesh"),
-        ((result, "--body", "panel1", "--nodes", "one"), "node numbers"),
-        ((result, "--body", "panel1", "--within", 1, 0, 0, 1), "the smaller x comes before"),
+        ((result, "--body", "panel1", "--nodes", "one"), "'--nodes': 'one'"),
+        ((result, "--body", "panel1", "--within", 1, 0, 0, 1), "x0 <= x1"),
         ((result, "--body", "panel1", "--around", 9, 9, 0.1), "no node"),
         ((result, "--body", "panel1", "--radius", "nan"), "not a finite number"),
     ):
