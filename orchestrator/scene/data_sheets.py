@@ -24,39 +24,34 @@ from .validation import EntryReader
 _LIKE, _TEMPLATE = "like", "template"
 
 
-def add_sheet(path: str | Path) -> bool:
-    """Add the bodies of a file as those in components/data are written; whether any of them changed.
+def add_sheet(path: str | Path) -> None:
+    """Add the bodies of a file as those in components/data are written, in place of what it had before.
 
-    ComponentError where it cannot be read, has the name of a body from elsewhere or a body that cannot be; what it had
-    before is replaced.
+    ComponentError where it cannot be read, has the name of a body from elsewhere or a body that cannot be.
     """
     path = Path(path).resolve()
     try:
-        found = {
-            name: _values(table) for name, table in tomllib.loads(path.read_text(encoding="utf-8")).items()
-        }
+        found = _plain(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise ComponentError(f"{path}: the bodies cannot be read ({error.strerror})") from None
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         raise ComponentError(f"{path}: this is no table of bodies ({error})") from None
-    if found == _added.get(path):
-        return False
-    elsewhere = _shipped().keys() | {
-        name for other, known in _added.items() if other != path for name in known
-    }
-    if taken := sorted(found.keys() & elsewhere):
-        raise ComponentError(
-            f"{path}: {', '.join(taken)}: there is such a body already; give it another name"
-        )
-    before = _added.get(path)
-    _added[path] = found
-    if problems := [problem for name in found for problem in _problems(name)]:
-        if before is None:
-            del _added[path]
-        else:
+    if wrong := [name for name, table in found.items() if not isinstance(table, dict)]:
+        raise ComponentError(f"{path}: {', '.join(wrong)}: this is no table of a body")
+    before = _added.pop(path, None)
+    if before is not None and found == before:
+        _added[path] = before
+        return
+    if taken := sorted(found.keys() & _tables().keys()):
+        problems = [f"{', '.join(taken)}: there is such a body already; give it another name"]
+    else:
+        _added[path] = found
+        problems = [problem for name in found for problem in _problems(name)]
+    if problems:
+        _added.pop(path, None)
+        if before is not None:
             _added[path] = before
         raise ComponentError("\n".join(f"{path}: {problem}" for problem in problems))
-    return True
 
 
 def _problems(name: str) -> Iterator[str]:
@@ -69,6 +64,12 @@ def _problems(name: str) -> Iterator[str]:
         table = entry_table(name)
     except KeyError as error:
         yield f"{name}.like: there is no body {error.args[0]!r}"
+        return
+    except (TypeError, RecursionError):
+        yield f"{name}.like: is no list of names, or a circle of bodies that are like each other"
+        return
+    except SceneError as error:
+        yield from (f"{name}.{problem}" for problem in error.problems)
         return
     reader = EntryReader({name: {"name": name, **table}}, ())
     body = reader.table(name, Body, required=True)
@@ -140,18 +141,16 @@ def _shipped() -> dict[str, Tree]:
     """Those that come with the package."""
     sheets = sorted((files("components") / "data").iterdir(), key=lambda file: file.name)
     texts = [file.read_text(encoding="utf-8") for file in sheets if file.name.endswith(".toml")]
-    return {name: _values(table) for text in texts for name, table in tomllib.loads(text).items()}
+    return {name: table for text in texts for name, table in _plain(tomllib.loads(text)).items()}
 
 
-def _values(table: Mapping[str, Any]) -> Any:  # noqa: ANN401 - a table, or a value
-    """A table with its `{value, unit, source}` as texts of number and unit."""
-    if "value" in table:
-        value, unit = table["value"], table["unit"]
-        return [f"{number!r} {unit}" for number in value] if isinstance(value, list) else f"{value!r} {unit}"
-    return {key: _entry(value) for key, value in table.items()}
-
-
-def _entry(value: Any) -> Any:  # noqa: ANN401 - whatever a TOML file gives
-    if isinstance(value, Mapping):
-        return _values(value)
-    return [_entry(one) for one in value] if isinstance(value, list) else value
+def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever a TOML file gives
+    """A table with each `{value, unit, source}` as a text of number and unit, or a list of these."""
+    if isinstance(value, list):
+        return [_plain(one) for one in value]
+    if not isinstance(value, Mapping):
+        return value
+    if "value" not in value:
+        return {key: _plain(one) for key, one in value.items()}
+    number, unit = value["value"], value["unit"]
+    return [f"{one!r} {unit}" for one in number] if isinstance(number, list) else f"{number!r} {unit}"
