@@ -44,7 +44,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
     yield from _strained_rails(scene)
     yield from _wound_drives(scene)
     yield from coded("W-open-loop", _open_at_the_start(scene))
-    yield from coded("W-singular-start", singular_start_warnings(scene))
+    yield from singular_start_warnings(scene)
     yield from coded("W-turned-start", _turned_to_close(scene))
     yield from coded("W-start-rate", _moving_from_rest(scene))
     yield from coded("W-base-turned", turned_from_the_world(scene))
