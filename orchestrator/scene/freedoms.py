@@ -87,8 +87,8 @@ class Constraints:
             yield message(
                 "W-singular-start",
                 f"The scene starts in a singular position: {self.rank} of {self.count} constraints are independent, "
-                f"and {self.nearby} at a rotation of 0.01 rad from there. Forces at the start depend on the stiffness of "
-                "the joints.",
+                f"and {self.nearby} at a rotation of 0.01 rad from there. Forces at the start depend on the stiffness "
+                "of the joints.",
             )
 
 
