@@ -54,7 +54,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
 
 def _sudden_loads(scene: CheckedScene) -> Iterator[str]:
     """Preloads, weight and loads that act suddenly at the start."""
-    groups = scene.rigid_groups
+    groups = scene.group_roots
     preloads = [
         (f"ccl.{loop.name}", loop.preload, [loop.pulley_1.body, loop.pulley_2.body]) for loop in scene.loops
     ]

@@ -28,7 +28,7 @@ from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.bodies import StartPose
-from orchestrator.scene.locked_groups import joined_model, pieces
+from orchestrator.scene.locked_groups import joined_model, rigid_groups
 from tests.benchmark.models.one_panel import crest, line_torque
 from tests.references.record import Record
 
@@ -163,7 +163,7 @@ def _merged(run: Started, momentum: np.ndarray) -> Assembly:
         poses[line.outboard] = _pose(
             run.master.network.by_name[line.outboard], hinge.name, points[hinge.outboard]
         )
-    piece = pieces(scene, scene.attachments, poses)[PIECE]
+    piece = rigid_groups(scene, scene.attachments, poses)[PIECE]
     model = joined_model(piece, models)
     sites = [
         {"name": s.name, "point": s.point, "offset": s.offset, "orientation": s.orientation}
