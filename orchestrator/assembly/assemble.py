@@ -16,7 +16,7 @@ from components.flexible.modal import ModalData
 from ..scene.bodies import body_model, moved
 from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
-from ..scene.locked_groups import Piece, PortSite, joined_geometry, joined_model, pieces
+from ..scene.locked_groups import PortSite, RigidGroup, joined_geometry, joined_model, rigid_groups
 from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
@@ -99,16 +99,16 @@ def _placed_parts(
     parts: list[Part] = []
     links: list[Link] = []
     geometry: dict[str, Geometry] = {}
-    for piece in pieces(scene, found, scene.poses).values():
-        if piece.root in beams:
-            part, shown = beam_part(scene, beams[piece.root], piece)
-            center = scene.rigid_models[piece.root].center_of_mass
+    for group in rigid_groups(scene, found, scene.poses).values():
+        if group.root in beams:
+            part, shown = beam_part(scene, beams[group.root], group)
+            center = scene.rigid_models[group.root].center_of_mass
         else:
-            part, shown = _piece_part(scene, piece, models)
+            part, shown = _group_part(scene, group, models)
             center = part.structure.get("modal", {}).get("center_of_mass")
-        parts.append(_moving_at_start(part, center, scene.rates.get(piece.root)))
-        links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
-        geometry |= {piece.root: shown} if len(shown.positions) else {}
+        parts.append(_moving_at_start(part, center, scene.rates.get(group.root)))
+        links += [Link((group.root, site.name), site.connection) for site in group.sites]
+        geometry |= {group.root: shown} if len(shown.positions) else {}
     return parts, links, geometry
 
 
@@ -143,38 +143,40 @@ def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
         raise SceneError([f"{scene.file}: body.{body.name}: {error}"]) from None
 
 
-def _piece_part(scene: CheckedScene, piece: Piece, models: Mapping[str, ModalData]) -> tuple[Part, Geometry]:
-    """A body or joined piece where it starts, and what a picture of it needs."""
+def _group_part(
+    scene: CheckedScene, group: RigidGroup, models: Mapping[str, ModalData]
+) -> tuple[Part, Geometry]:
+    """A body or joined group where it starts, and what a picture of it needs."""
     base = scene.rigid_models.get(scene.base.name)
-    own = {name: models[name] for name in piece.bodies if name in models}
-    if (motion := scene.motions.get(piece.root)) is not None:
-        return _moving_part(scene, piece, motion), _geometry(*joined_geometry(piece, own))
-    if piece.root == scene.base.name:
-        carried = _carried(piece, own)
+    own = {name: models[name] for name in group.bodies if name in models}
+    if (motion := scene.motions.get(group.root)) is not None:
+        return _moving_part(scene, group, motion), _geometry(*joined_geometry(group, own))
+    if group.root == scene.base.name:
+        carried = _carried(group, own)
         if base is None:
-            return _fixed_part(scene, piece, carried), _geometry(*joined_geometry(piece, own))
+            return _fixed_part(scene, group, carried), _geometry(*joined_geometry(group, own))
         own = {scene.base.name: base, **own}
-    model = joined_model(piece, own) if piece.is_joined else own[piece.root]
+    model = joined_model(group, own) if group.is_joined else own[group.root]
     ports = [
         {"name": s.name, "point": s.point, "offset": s.offset, "orientation": s.orientation}
-        for s in piece.sites
+        for s in group.sites
     ]
     bodies = {body.name: body for body in scene.bodies}
     structure: dict[str, Any] = {"modal": model.to_arrays(), "ports": ports}
-    pose = scene.poses[piece.root]
+    pose = scene.poses[group.root]
     start: dict[str, Any] = {
         "initial_position": pose.position,
         "initial_orientation": with_positive_scalar(pose.orientation),
         "gravity": scene.header.gravity,
     }
-    if piece.root in bodies:
-        structure["inertia_coupling"] = bodies[piece.root].inertia_coupling
-        start["damping_scale"] = bodies[piece.root].damping_scale
+    if group.root in bodies:
+        structure["inertia_coupling"] = bodies[group.root].inertia_coupling
+        start["damping_scale"] = bodies[group.root].damping_scale
     else:
-        marked = [port | _outside(site) for port, site in zip(ports, piece.sites, strict=True)]
+        marked = [port | _outside(site) for port, site in zip(ports, group.sites, strict=True)]
         structure |= {"is_base": True, "ports": marked, **carried}
     shown = Geometry(model.display_positions, model.display_shapes, model.display_faces)
-    return Part(piece.root, "body", structure, start), shown
+    return Part(group.root, "body", structure, start), shown
 
 
 def _moving_at_start(part: Part, center: Vector | None, rates: Vector | None) -> Part:
@@ -194,45 +196,45 @@ def _geometry(positions: Any, faces: Any) -> Geometry:  # noqa: ANN401 - arrays
     return Geometry(positions, np.zeros((len(positions), 3, 0)), faces)
 
 
-def _carried(piece: Piece, models: Mapping[str, ModalData]) -> dict[str, Any]:
+def _carried(group: RigidGroup, models: Mapping[str, ModalData]) -> dict[str, Any]:
     """What held lines join to the base, as its structure has it; empty where nothing is."""
     if not models:
         return {}
-    whole = joined_model(piece, models)
+    whole = joined_model(group, models)
     center, inertia = tuple(whole.center_of_mass.tolist()), whole.inertia.tolist()
     return {"carried": {"mass": whole.mass, "center_of_mass": center, "inertia": inertia}}
 
 
-def _fixed_part(scene: CheckedScene, piece: Piece, carried: Mapping[str, Any]) -> Part:
+def _fixed_part(scene: CheckedScene, group: RigidGroup, carried: Mapping[str, Any]) -> Part:
     """The spacecraft as ground, with what held lines join to it; loads are about its first point."""
-    structure = {"ports": _frame_ports(scene, piece), **carried}
+    structure = {"ports": _frame_ports(scene, group), **carried}
     if carried:
         structure["gravity"] = scene.header.gravity
-    return Part(piece.root, "fixed_base", structure, {})
+    return Part(group.root, "fixed_base", structure, {})
 
 
-def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion) -> Part:
+def _moving_part(scene: CheckedScene, group: RigidGroup, motion: Motion) -> Part:
     """What follows a motion; loads are about its pivot."""
     back = (-law.value(0.0) for law in motion.laws)
-    frame = moved(scene.poses[piece.root], motion, *back)
+    frame = moved(scene.poses[group.root], motion, *back)
     structure = {
         **motion.model_dump(),
-        "ports": _frame_ports(scene, piece),
+        "ports": _frame_ports(scene, group),
         "position": frame.position,
         "orientation": with_positive_scalar(frame.orientation),
-        "is_base": piece.root == scene.base.name,
+        "is_base": group.root == scene.base.name,
     }
-    return Part(piece.root, "moving_base", structure, {})
+    return Part(group.root, "moving_base", structure, {})
 
 
-def _frame_ports(scene: CheckedScene, piece: Piece) -> list[dict[str, Any]]:
-    """Ports of a piece in the axes of its root."""
+def _frame_ports(scene: CheckedScene, group: RigidGroup) -> list[dict[str, Any]]:
+    """Ports of a group in the axes of its root."""
     ports = []
-    for site in piece.sites:
-        body, _, point = site.point.partition(".") if piece.is_joined else (piece.root, "", site.point)
-        at = piece.poses[body].place(scene.points[body][point])
+    for site in group.sites:
+        body, _, point = site.point.partition(".") if group.is_joined else (group.root, "", site.point)
+        at = group.poses[body].place(scene.points[body][point])
         port = {"name": site.name, "position": add(at, site.offset), "orientation": site.orientation}
-        ports.append(port | _outside(site) if piece.root == scene.base.name else port)
+        ports.append(port | _outside(site) if group.root == scene.base.name else port)
     return ports
 
 

@@ -16,13 +16,13 @@ from components.flexible.reduction import free_frequencies
 from ..scene.bodies import body_definition
 from ..scene.body_tables import Body
 from ..scene.damping import StructuralDamping
-from ..scene.locked_groups import Piece
+from ..scene.locked_groups import RigidGroup
 from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Geometry, Part
 
 
-def beam_part(scene: CheckedScene, body: Body, piece: Piece) -> tuple[Part, Geometry]:
+def beam_part(scene: CheckedScene, body: Body, group: RigidGroup) -> tuple[Part, Geometry]:
     """A beam where it starts, and what a picture of it needs; SceneError where it has attached masses."""
     if body.masses:
         raise SceneError(
@@ -37,10 +37,10 @@ def beam_part(scene: CheckedScene, body: Body, piece: Piece) -> tuple[Part, Geom
     nodes, at = beam.nodes(), beam.point_nodes
     ports = [
         {"name": s.name, "node": at[s.point], "offset": s.offset, "orientation": s.orientation}
-        for s in piece.sites
+        for s in group.sites
     ]
     structure: dict[str, Any] = {"nodes": nodes, "section": beam.section._asdict(), "ports": ports}
-    pose = scene.poses[piece.root]
+    pose = scene.poses[group.root]
     start: dict[str, float | tuple[float, ...]] = {
         "initial_position": pose.position,
         "initial_orientation": with_positive_scalar(pose.orientation),
@@ -49,7 +49,7 @@ def beam_part(scene: CheckedScene, body: Body, piece: Piece) -> tuple[Part, Geom
     }
     positions = np.array([node["position"] for node in nodes])
     shown = Geometry(positions, np.zeros((len(nodes), 3, 0)), display_faces(len(nodes)))
-    return Part(piece.root, "beam", structure, start), shown
+    return Part(group.root, "beam", structure, start), shown
 
 
 def _damping_time(body: Body, definition: BodyDefinition, structural: StructuralDamping | None) -> float:

@@ -121,7 +121,7 @@ def assembly_lines(
     scene: CheckedScene, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> tuple[AssemblyHingeLine, ...]:
     """What the master and the key figures need to know of the lines that move."""
-    bolted, groups = bolted_lines(scene), scene.rigid_groups
+    bolted, groups = bolted_lines(scene), scene.group_roots
     found = []
     for line in (line for line in scene.hinge_lines if not line.held):
         latch = line_latch(scene, line, flexible, mode)

@@ -126,7 +126,7 @@ def misdirected(base: str, lines: Iterable[HingeLine], placed: Collection[str]) 
 def carried_along(scene: CheckedScene) -> Iterator[str]:
     """Held lines that make a body part of what moves by a law, whose loads would lack the body's inertia."""
     for line in scene.hinge_lines:
-        if line.held and (root := scene.rigid_groups[line.outboard]) in scene.motions:
+        if line.held and (root := scene.group_roots[line.outboard]) in scene.motions:
             yield (
                 f"hinge_line.{line.name}.held: {root} follows a motion, and loads on it would lack the inertia of "
                 f"{line.outboard}; hold the line by a hinge of the preset fixed, a [[connection]], instead"
@@ -196,7 +196,7 @@ def open_hinges(scene: CheckedScene) -> Iterator[str]:
 
 def buried_contacts(scene: CheckedScene) -> Iterator[str]:
     """Contacts that start deeper than a force could have pressed them."""
-    roots = scene.rigid_groups
+    roots = scene.group_roots
     for connection in scene.connections:
         if connection.kind != Contact.kind:
             continue

@@ -69,10 +69,8 @@ class Constraints:
 
     @property
     def warnings(self) -> list[str]:
-        """Sentences on what makes forces depend on the stiffness of joints."""
-        sentences = []
-        if self.nearby is not None and self.is_singular:
-            sentences.append(message("W-singular-start", _singular(self.rank, self.count, self.nearby)))
+        """Messages on what makes forces depend on the stiffness of joints."""
+        sentences = [*self.singular_start()]
         if self.redundant:
             sentences.append(
                 message(
@@ -83,40 +81,29 @@ class Constraints:
             )
         return sentences
 
-
-def _singular(rank: int, count: int, nearby: int) -> str:
-    return (
-        f"The scene starts in a singular position: {rank} of {count} constraints are independent, and {nearby} at a "
-        "rotation of 0.01 rad from there. Forces at the start depend on the stiffness of the joints."
-    )
+    def singular_start(self) -> Iterator[str]:
+        """A message where the scene starts in a singular position."""
+        if self.is_singular:
+            yield message(
+                "W-singular-start",
+                f"The scene starts in a singular position: {self.rank} of {self.count} constraints are independent, "
+                f"and {self.nearby} at a rotation of 0.01 rad from there. Forces at the start depend on the stiffness "
+                "of the joints.",
+            )
 
 
 def singular_start_warnings(scene: CheckedScene) -> Iterator[str]:
-    """A sentence where joints close loops and the scene starts in a singular position."""
-    if not any(connection.preset is not None for connection in scene.connections):
-        return
-    every, moving = _joints(scene)
-    poses = scene.poses
-    held = [c for c in every if not c.driven]
-    slopes = _slopes(held, poses, moving)
-    _, values, directions = np.linalg.svd(slopes)
-    rank = _counted(values)
-    nearby = _nearby(held, poses, moving, directions[rank:])
-    if nearby is not None and nearby != rank:
-        yield _singular(rank, len(slopes), nearby)
-
-
-def _joints(scene: CheckedScene) -> tuple[list[Constraint], tuple[str, ...]]:
-    """All constraints of a scene, and names of the bodies that can move."""
-    every = [*scene.constraints, *hinge_constraints(scene.hinge_lines, scene.points)]
-    fixed = {*scene.motions, *(() if scene.base.free is not None else (scene.base.name,))}
-    return every, tuple(name for name in scene.poses if name not in fixed)
+    """A message where joints close loops and the scene starts in a singular position."""
+    if any(connection.preset is not None for connection in scene.connections):
+        yield from find_constraints(scene).singular_start()
 
 
 def find_constraints(scene: CheckedScene) -> Constraints:
     """Constraints of a scene where it starts."""
-    found, moving = _joints(scene)
     poses = scene.poses
+    found = [*scene.constraints, *hinge_constraints(scene.hinge_lines, scene.points)]
+    fixed = {*scene.motions, *(() if scene.base.free is not None else (scene.base.name,))}
+    moving = tuple(name for name in poses if name not in fixed)
     held = [c for c in found if not c.driven]
     slopes = _slopes(held, poses, moving)
     _, values, directions = np.linalg.svd(slopes)

@@ -70,7 +70,7 @@ class CheckedScene(SceneTables):
         return {name: motion for name, motion in found.items() if motion is not None}
 
     @cached_property
-    def rigid_groups(self) -> Mapping[str, str]:
+    def group_roots(self) -> Mapping[str, str]:
         """Body that names the rigid group of every body: itself, or the innermost that held lines lead to."""
         roots = {name: name for name in (self.base.name, *(body.name for body in self.bodies))}
         held = {line.outboard: line.inboard for line in self.hinge_lines if line.held}
@@ -82,8 +82,8 @@ class CheckedScene(SceneTables):
     @cached_property
     def locked_bodies(self) -> frozenset[str]:
         """Bodies in rigid groups of several, which are therefore rigid."""
-        shared = {root for body, root in self.rigid_groups.items() if root != body}
-        return frozenset(body for body, root in self.rigid_groups.items() if root in shared)
+        shared = {root for body, root in self.group_roots.items() if root != body}
+        return frozenset(body for body, root in self.group_roots.items() if root in shared)
 
     @cached_property
     def coupled_lines(self) -> tuple[CoupledLines, ...]:

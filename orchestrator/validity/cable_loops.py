@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from math import degrees
 from typing import NamedTuple
 
-from components.contract.frames import Vector3, cross, dot, norm
+from components.contract.frames import Vector3, cross, norm
 
 from ..messages import coded
 from ..scene.connection_tables import Ccl
-from ..scene.loops.coupled_lines import body_between
+from ..scene.loops.coupled_lines import body_between, turning
 from ..scene.placed_scene import CheckedScene
 
 _ASKEW = 1e-3
@@ -40,14 +40,12 @@ def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
     carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
     if carrier is None:
         return None
-    first, second, middle = (_turn(scene, body, loop.axis) for body in (*bodies, carrier))
+    travels = {line.name: line.deployed_angle - line.initial_angle for line in scene.hinge_lines}
+    first, second, middle = (
+        sum((rate * travels[name] for name, rate in turning(scene, body, loop.axis).items()), 0.0)
+        for body in (*bodies, carrier)
+    )
     return Travels(first - middle, second - middle)
-
-
-def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
-    """Rotation (rad) of a body about an axis from the start until all lines are deployed."""
-    lines = [line for line in scene.lines_inward(body) if not line.held]
-    return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
 
 
 def _unlike_travels(scene: CheckedScene) -> Iterator[str]:

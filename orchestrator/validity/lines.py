@@ -13,7 +13,7 @@ from components.end_stop import EndStop
 from components.numerics.laws import Linear
 
 from ..assembly.hinges import contradicted_curves
-from ..messages import coded
+from ..messages import coded, message
 from ..scene.connection_tables import Connection
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.coupled_lines import CoupledLines
@@ -36,12 +36,10 @@ _PRESSED = Plausible("W-end-data", "deg", most=30.0)
 def line_warnings(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-no-end", _unstopped(scene))
-    yield from coded("W-friction-data", _presliding_without_friction(scene))
     yield from coded("W-motor-short", _held_by_friction(scene))
     yield from coded("W-table-range", _beyond_tables(scene))
     yield from coded("W-overlap", _through_one_another(scene))
-    yield from coded("W-stop-before-latch", _stopped_before_latch(scene))
-    yield from _unlikely_ends(scene)
+    yield from _ends_and_friction(scene)
     yield from coded("W-latch-inertia", _damped_by_few(scene))
     yield from coded("W-latch-curve", contradicted_curves(scene))
     yield from coded("W-free-slide", _free_along_the_line(scene))
@@ -61,38 +59,25 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose end stop lies before their latch."""
+def _ends_and_friction(scene: CheckedScene) -> Iterator[str]:
+    """End stops before the latch or too soft, presliding friction that is too soft or none."""
     for line in scene.hinge_lines:
+        key, stop = f"hinge_line.{line.name}", line.end_stop
         if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
-            yield (
-                f"hinge_line.{line.name}: its end stop at {degrees(line.stop_angle):g} deg is before its latch at "
-                f"{degrees(line.deployed_angle):g} deg, so it may not latch. Move the end stop beyond the latch."
+            yield message(
+                "W-stop-before-latch",
+                f"{key}: its end stop at {degrees(line.stop_angle):g} deg is before its latch at "
+                f"{degrees(line.deployed_angle):g} deg, so it may not latch. Move the end stop beyond the latch.",
             )
-
-
-def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
-    """Presliding friction and end stops that are too soft."""
-    for line in scene.hinge_lines:
-        key = f"hinge_line.{line.name}"
+        if stop is not None:
+            pressed = degrees(sqrt(2.0 * line.motor_energy / stop.stiffness))
+            yield from _PRESSED.warnings(f"{key}.end_stop.stiffness: the motor presses the stop by", pressed)
         if line.presliding is not None and line.presliding.stiffness:
             wound = degrees(line.friction_preload / line.presliding.stiffness)
-            yield from _WOUND.warnings(
-                f"{key}.presliding.stiffness: before friction slides it winds up by", wound
-            )
-        if line.end_stop is not None:
-            pressed = degrees(sqrt(2.0 * line.motor_energy / line.end_stop.stiffness))
-            yield from _PRESSED.warnings(f"{key}.end_stop.stiffness: the motor presses the stop by", pressed)
-
-
-def _presliding_without_friction(scene: CheckedScene) -> Iterator[str]:
-    """Presliding without friction."""
-    for line in scene.hinge_lines:
+            yield from _WOUND.warnings(f"{key}.presliding.stiffness: before it slides it winds up by", wound)
         if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
-            yield (
-                f"hinge_line.{line.name}.presliding: the line has no friction. Set its friction_preload, or "
-                "friction.coefficient."
-            )
+            words = "the line has no friction. Set its friction_preload, or friction.coefficient."
+            yield message("W-friction-data", f"{key}.presliding: {words}")
 
 
 def _held_by_friction(scene: CheckedScene) -> Iterator[str]:

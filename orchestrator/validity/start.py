@@ -44,7 +44,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
     yield from _strained_rails(scene)
     yield from _wound_drives(scene)
     yield from coded("W-open-loop", _open_at_the_start(scene))
-    yield from coded("W-singular-start", singular_start_warnings(scene))
+    yield from singular_start_warnings(scene)
     yield from coded("W-turned-start", _turned_to_close(scene))
     yield from coded("W-start-rate", _moving_from_rest(scene))
     yield from coded("W-base-turned", turned_from_the_world(scene))
@@ -54,7 +54,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
 
 def _sudden_loads(scene: CheckedScene) -> Iterator[str]:
     """Preloads, weight and loads that act suddenly at the start."""
-    groups = scene.rigid_groups
+    groups = scene.group_roots
     preloads = [
         (f"ccl.{loop.name}", loop.preload, [loop.pulley_1.body, loop.pulley_2.body]) for loop in scene.loops
     ]

@@ -115,7 +115,7 @@ def _row(scene: SceneTables, loop: _Loop) -> dict[str, float]:
     carrier = _carrier(scene, loop)
     if carrier is None or not all(_is_carried(scene, body) for body in (*loop.bodies, carrier)):
         return {}
-    first, second, middle = (_turning(scene, body, loop.axis) for body in (*loop.bodies, carrier))
+    first, second, middle = (turning(scene, body, loop.axis) for body in (*loop.bodies, carrier))
     r1, r2 = loop.radii
     row = {
         name: r1 * (first.get(name, 0.0) - middle.get(name, 0.0))
@@ -145,7 +145,7 @@ def _is_carried(scene: SceneTables, body: str) -> bool:
     return (lines[-1].inboard if lines else body) == scene.base.name
 
 
-def _turning(scene: SceneTables, body: str, axis: Vector3) -> dict[str, float]:
+def turning(scene: SceneTables, body: str, axis: Vector3) -> dict[str, float]:
     """Rate of a body about an axis against the base, for a rate of one of each line that carries it and moves."""
     return {line.name: dot(line.axis, axis) for line in scene.lines_inward(body) if not line.held}
 

@@ -1,5 +1,6 @@
 """Loops closed before the start, arrays, orientations, joint presets; what cannot be is told."""
 
+import pickle
 import tomllib
 from math import cos, pi, radians, sin, sqrt
 
@@ -8,7 +9,7 @@ import pytest
 
 from components.contract.frames import rotate
 from orchestrator.assembly.assemble import assemble
-from orchestrator.scene import SceneError
+from orchestrator.scene import SceneError, find_scene, load_scene
 from orchestrator.scene.reader import read_scene
 from orchestrator.scene.table import Orientation
 from tests.references.edits import edited
@@ -241,3 +242,14 @@ def test_a_joints_own_stiffness_is_damped_in_proportion(damping, time):
     assert joint.start["rotational_damping"] == pytest.approx([time * k for k in stiffness])
     linear = np.array(joint.start["translational_stiffness"])
     assert np.allclose(joint.start["translational_damping"], time * linear)
+
+
+def test_where_bodies_start_belongs_to_one_scene():
+    """Definition: computed once, anew for other angles, and not part of what is sent to another process."""
+    scene = scene_of(FOUR_BAR)
+    assert scene.closed is scene.closed
+    assert pickle.loads(pickle.dumps(scene)).poses == scene.poses
+    lines = load_scene(find_scene("amos3"))
+    turned = lines.with_angles({"HL1": 1.0})
+    assert turned.poses["yoke"] != lines.poses["yoke"]
+    assert turned.deployed.poses == lines.deployed.poses
