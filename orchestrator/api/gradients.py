@@ -37,7 +37,7 @@ def gradients(
         such as ``["hinge_line.HL1.motor.stowed", "friction.coefficient"]``; a key that ends in ``*`` is a factor; keys
         separated by commas change together
     verify : bool
-        repeat all at a tenth of the tolerance, for about three times the cost: derivatives are those of the smaller
+        repeat all at a tenth of the tolerance, for two to three times the cost: derivatives are those of the smaller
         tolerance, and `errors` their differences from the others; without it errors are unknown, and loads may be
         wrong, even in sign
     rigid, flexible, large_deformation, until, tolerance, progress
