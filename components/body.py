@@ -42,7 +42,7 @@ from .body_parts.interface import Interface, interface_data
 from .body_parts.load import Load
 from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
-from .body_parts.second_order import ModalPath, change_of, correct_step, settled, static_deflection
+from .body_parts.second_order import ModalPath, change_of, correct_step, settled
 from .body_parts.tension import TensionForms, own_tension
 from .body_parts.turn import (
     MAX_ITERATIONS,
@@ -83,7 +83,6 @@ class _Constants:
     gravity: Vector
     frequency: Vector
     damping_ratio: Vector
-    quasi_static: bool
     start: tuple[Vector, Vector, Vector, Vector, Vector]
     propagators: dict[float, Propagator] = field(default_factory=dict)
 
@@ -179,7 +178,6 @@ class Body(Component):
             gravity=p[at["gravity"]].copy(),
             frequency=self.data.frequency,
             damping_ratio=self.data.damping_ratio * float(p[at["damping_scale"]][0]),
-            quasi_static=bool(p[at["quasi_static"]][0] >= 0.5),
             start=(
                 p[at["initial_position"]].copy(),
                 orientation.copy(),
@@ -213,7 +211,7 @@ class Body(Component):
         load = u if self._interface is None else self._interface.without_own(u)
         # the absurd wrenches an iteration may try end as values that are not finite, without a warning
         with np.errstate(over="ignore", invalid="ignore"):
-            result = self._static_step(c, x, load, h) if c.quasi_static else self._dynamic_step(c, x, load, h)
+            result = self._dynamic_step(c, x, load, h)
         if self._interface is not None:
             behind = self._moments.stop
             result[behind:] = self._interface.after(x[_Q], x[_W], x[behind:], u, h)
@@ -348,38 +346,10 @@ class Body(Component):
             eta_mean,
         )
 
-    def _static_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One implicit step of the gradient flow x' = h M^-1 f that static equilibrium iterates.
-
-        At rest before and after, under the mean wrenches; modes take their static deflection at once. Its
-        fixed points are exactly the equilibria of the dynamic step, and the centre of mass of a free scene
-        does not move.
-        """
-        m = self.modes
-        wrench = u[: 6 * len(self.arms)].reshape(-1, 6)
-        force, torque = wrench[:, :3], wrench[:, 3:]
-        q0 = tuple(x[_Q].tolist())
-        q1, a1, arms = q0, rotation_matrix(q0), self.arms
-        result = np.zeros_like(x)
-        eta = x[_ETA : _ETA + m] if self.data.second_order_modes else np.zeros(m)
-        for _ in range(3):
-            if m:
-                eta = static_deflection(self._placed, self.tension, 1.0 / c.frequency**2, a1, eta, wrench)
-                arms = self.arms + self._placed.displacements(eta)
-            moment = sum_of_moments(arms @ a1.T, force) + torque.sum(0)
-            turn = h * h * (self.inertia.inverse @ (moment @ a1))
-            q1 = normalized(multiply(q0, exponential(tuple(turn.tolist()))))
-            a1 = rotation_matrix(q1)
-        result[_Q] = q1
-        result[_ETA : _ETA + m] = eta
-        result[_R] = x[_R] + h * h * (force.sum(0) / self.data.mass + c.gravity)
-        result[_D] = x[_D]
-        return result
-
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Pose and velocity of every port and its first moments over the last step, world axes.
 
-        Moments are zero where no step in time was made: at the start, in static steps and in model exchange.
+        Moments are zero where no step in time was made: at the start and in model exchange.
         """
         q = tuple(x[_Q].tolist())
         a = rotation_matrix(q)
@@ -432,8 +402,6 @@ class Body(Component):
 
         A quaternion that a solver made longer or shorter returns to unit length.
         """
-        if c.quasi_static:
-            raise ComponentError("quasi_static is 1; rates exist only where a body follows time")
         complete = self.complete(c, x)
         a = rotation_matrix(tuple(complete[_Q].tolist()))
         omega, (eta, pi) = complete[_W], self._modal(x)

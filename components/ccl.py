@@ -41,7 +41,7 @@ from .contract.frames import (
 )
 from .contract.ports import WRENCH_SIZE
 from .contract.record import Record, kept, observed, tunable
-from .contract.roles import CUT, DISSIPATED_ENERGY, END_WEIGHT, HOLD, LOAD, ORDER, POTENTIAL_ENERGY
+from .contract.roles import CUT, DISSIPATED_ENERGY, HOLD, LOAD, ORDER, POTENTIAL_ENERGY
 from .numerics.laws import SlackSpring
 from .numerics.relative_motion import Line, axis_frame, turn_between
 from .numerics.scheme import FAR_APART
@@ -56,7 +56,6 @@ class _Parameters(NamedTuple):
     strand_stiffness: Annotated[float, tunable("N/m", "Stiffness of one strand", 5000.0, 1e-9)]
     strand_damping: Annotated[float, tunable("N.s/m", "Damping of one strand", 0.0, 0.0)]
     cut: Annotated[float, CUT.saying("1: the cable is cut, and its strands carry nothing")]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
 
@@ -153,7 +152,7 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
         one = self._checked(p)
         preload = one.preload if one.cut < 0.5 else -FAR_APART * one.strand_stiffness
         strand = SlackSpring(one.strand_stiffness, preload)
-        return _Constants(one, strand, self._is_paired(one.order, one.end_weight))
+        return _Constants(one, strand, self._is_paired(one.order))
 
     def _geometry(self, u: Inputs[_Commands], reference: tuple[float, float]) -> _Geometry:
         """Geometry of one instant; angles are those nearest the reference."""
@@ -223,8 +222,7 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
             heat = s.heat + sum(load.heat for load in loads)
             return moved._replace(heat=heat, wrench=wrench, slopes=slopes)
         (tension_a, heat_a), (tension_b, heat_b) = (
-            mean_tension(c.strand, c.p.strand_damping, a, b, h, c.p.end_weight)
-            for a, b in zip(before, after, strict=True)
+            mean_tension(c.strand, c.p.strand_damping, a, b, h) for a, b in zip(before, after, strict=True)
         )
         return moved._replace(
             heat=s.heat + heat_a + heat_b,

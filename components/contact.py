@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from .contract.connection import HEAT, NO_PAIR, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Vector3, cross, dot, mean, rotate, scaled, subtract
 from .contract.record import Record, flagged, kept, observed, tunable
-from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, PENETRATION, POTENTIAL_ENERGY
+from .contract.roles import DISSIPATED_ENERGY, LOAD, PENETRATION, POTENTIAL_ENERGY
 from .numerics.interval_mean import MidStep
 from .numerics.relative_motion import pair, unit_direction
 
@@ -34,7 +34,6 @@ class _Parameters(NamedTuple):
     exponent: Annotated[float, tunable("1", "Power of the penetration in the elastic force", 1.5, 1.0)]
     damping: Annotated[float, tunable("N.s/m", "Force per rate of penetration at full damping", 0.0, 0.0)]
     full_damping_penetration: Annotated[float, tunable("m", "Penetration of full damping", 1e-4, 1e-9)]
-    end_weight: Annotated[float, END_WEIGHT]
 
     def elastic(self, penetration: float) -> float:
         """Force of the potential."""
@@ -54,14 +53,12 @@ class _Parameters(NamedTuple):
     def mean_forces(self, before: float, after: float, h: float) -> tuple[float, float]:
         """Mean over a step of the force of the potential, and of the whole force, which never pulls.
 
-        Damping, end weight and the limit at zero all change the force in the direction of the penetration's
-        change, so they only dissipate.
+        Damping and the limit at zero change the force in the direction of the penetration's change, so they only
+        dissipate.
         """
         reference, full = self.reference_penetration, self.full_damping_penetration
         elastic = self.reference_force * mean_power(before / reference, after / reference, self.exponent)
         force = elastic + self.damping * mean_rise(before / full, after / full) * ((after - before) / h)
-        if self.end_weight != 0.5:
-            force += (self.end_weight - 0.5) * (self.elastic(after) - self.elastic(before))
         return elastic, _pushing(force)
 
 

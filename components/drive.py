@@ -21,7 +21,6 @@ from .contract.connection import HEAT, Inputs
 from .contract.record import Record, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
-    END_WEIGHT,
     HOLD,
     IMPULSE,
     LOAD,
@@ -52,7 +51,6 @@ class _Parameters(NamedTuple):
     duration: Annotated[
         float, tunable("s", "Duration of the motion, or time constant of following", 1.0, 1e-6)
     ]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
 
@@ -228,7 +226,7 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
                 f"start_time is {one.start_time:g}; a commanded drive follows from the start on"
             )
         motion = MotionLaw(self._profile == "step5", one.start_angle, change, one.start_time, one.duration)
-        return _Constants(one, motion, is_followed, self._is_paired(one.order, one.end_weight))
+        return _Constants(one, motion, is_followed, self._is_paired(one.order))
 
     def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
         """At the pose of the inputs; the angle is the one nearest the start angle."""
@@ -268,7 +266,7 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
             load, memory = workless_spring(c.p.stiffness, c.p.damping, motion), remembered_path(motion)
             slide, last = MidStep.starting(memory.end_rate), s.load.after(load.force, h)
         else:
-            load = bushing_load(c.p.stiffness, c.p.damping, motion, c.p.end_weight)
+            load = bushing_load(c.p.stiffness, c.p.damping, motion)
             memory = Memory(rate, rate) if is_impulse else remembered(motion, rate)
             slide = slide if is_impulse else s.slide.after(mean_rate, h)
         work = load.force * (now.commanded - commanded) + load.slope * driven

@@ -17,7 +17,6 @@ from .contract.connection import HEAT, Inputs
 from .contract.record import Record, flagged, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
-    END_WEIGHT,
     FAILURE_COMMAND,
     IMPULSE,
     LOAD,
@@ -46,7 +45,6 @@ class _Parameters(NamedTuple):
     ]
     aligned_angle: Annotated[float, tunable("rad", "Angle where the axes of both ports coincide")]
     stowed_angle: Annotated[float, tunable("rad", "Angle to which the first one is the nearest")]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
 
@@ -102,9 +100,7 @@ class _Constants(NamedTuple):
         if self.is_paired:
             elastic = workless_law(self.spring, 0.0, m, m.memory.roughness)
         else:
-            mean = mean_force(self.spring, m.start, m.end)
-            force = mean_force(self.spring, m.start, m.end, self.p.end_weight)
-            elastic = MeanLoad(force, 0.0, (mean - force) * (m.end - m.start))
+            elastic = MeanLoad(mean_force(self.spring, m.start, m.end), 0.0, 0.0)
         return MeanLoad(
             elastic.force + braking.force,
             braking.heat,
@@ -131,7 +127,7 @@ class EndStop(AxialConnection[_Parameters, _State, _Commands]):
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
         one = self._checked(p)
-        return _Constants(one, SlackSpring(one.stiffness, 0.0), self._is_paired(one.order, one.end_weight))
+        return _Constants(one, SlackSpring(one.stiffness, 0.0), self._is_paired(one.order))
 
     def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
         """At the pose of the inputs."""

@@ -166,7 +166,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             latch=self._latch_table or Linear(stiffness),
             latch_stiffness=stiffness,
             latch_damping=damping,
-            paired=self._is_paired(one.order, one.end_weight),
+            paired=self._is_paired(one.order),
         )
 
     def start(self, c: Constants, u: Inputs[Commands]) -> State:

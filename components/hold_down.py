@@ -20,7 +20,6 @@ from .contract.ports import PortMotion
 from .contract.record import Record, fixed, flagged, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
-    END_WEIGHT,
     HOLD,
     IMPULSE,
     LOAD,
@@ -49,7 +48,6 @@ class _Parameters(NamedTuple):
         Vector3, fixed("m", "At the start, from where the preload is, inboard axes")
     ]
     release_time: Annotated[float, tunable("s", "Time of the release; 0: by command only", 0.0, 0.0)]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
 
@@ -154,7 +152,7 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
                     "axis and needs stiffness there"
                 )
         x, y, z = free
-        return _Constants(one, (x, y, z), self._is_paired(one.order, one.end_weight))
+        return _Constants(one, (x, y, z), self._is_paired(one.order))
 
     def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
         """Held, in the pose of the inputs by its initial displacement away from where displacements count."""
@@ -241,7 +239,7 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
         """Load along an axis over a step."""
         stiffness, damping = c.p.translational_stiffness[i], c.p.translational_damping[i]
         moved = motion._replace(start=motion.start - c.free[i], end=motion.end - c.free[i])
-        return stiff_load(stiffness, damping, moved, c.p.end_weight, is_paired=is_paired)
+        return stiff_load(stiffness, damping, moved, is_paired=is_paired)
 
     def own(self, c: _Constants, s: _State) -> Sequence[float]:
         """Time to the release; an instant where a time set in mid-run is over."""

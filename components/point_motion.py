@@ -18,7 +18,6 @@ from .contract.frames import Quaternion, Vector3, cross, multiply, rotate, rotat
 from .contract.record import Record, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
-    END_WEIGHT,
     HOLD,
     IMPULSE,
     LOAD,
@@ -41,7 +40,6 @@ class _Parameters(NamedTuple):
     stiffness: Annotated[float, tunable("N/m", "Stiffness that enforces the distance", 5e7, 0.0)]
     damping: Annotated[float, tunable("N.s/m", "Damping in parallel with it", 0.0, 0.0)]
     offset: Annotated[float, tunable("m", "Distance where the law is zero")]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
     def force(self, deflection: float, rate: float) -> float:
@@ -131,7 +129,7 @@ class PointMotion(Connection[_Parameters, _State, _Commands]):
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
         one = self._checked(p)
-        return _Constants(one, self._is_paired(one.order, one.end_weight))
+        return _Constants(one, self._is_paired(one.order))
 
     def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
         """At the places of the inputs."""
@@ -164,7 +162,7 @@ class PointMotion(Connection[_Parameters, _State, _Commands]):
         if is_paired:
             load, memory = workless_spring(c.p.stiffness, c.p.damping, motion), remembered_path(motion)
         else:
-            load = bushing_load(c.p.stiffness, c.p.damping, motion, c.p.end_weight)
+            load = bushing_load(c.p.stiffness, c.p.damping, motion)
             rate = now.deflection_rate
             memory = Memory(rate, rate) if is_impulse else remembered(motion, rate)
         wrench, slopes = _wrenches(passage, load)

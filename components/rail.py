@@ -43,7 +43,6 @@ from .contract.record import Record, fixed, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
     DISSIPATION,
-    END_WEIGHT,
     LOAD,
     NUMERICAL_DISSIPATION,
     ORDER,
@@ -93,7 +92,6 @@ class _Parameters(NamedTuple):
     initial_turn: Annotated[
         Vector3, fixed("rad", "The same of its orientation, rotation vector in world axes")
     ]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
     @property
@@ -209,7 +207,7 @@ class Rail(Connection[_Parameters, _State, Impulse]):
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
         one = self._checked(p)
-        return _Constants(one, self._is_paired(one.order, one.end_weight))
+        return _Constants(one, self._is_paired(one.order))
 
     def start(self, c: _Constants, u: Inputs[Impulse]) -> _State:
         """The plane goes through the place of the inputs, less the initial offset and turn."""
@@ -260,7 +258,7 @@ class Rail(Connection[_Parameters, _State, Impulse]):
             bent, moments = _moments(now, u.moments[0], (swing_y, swing_z))
         motions = self._motions(s, now, moments, h)
         loads = [
-            stiff_load(k, d, motion, c.p.end_weight, is_paired=is_paired)
+            stiff_load(k, d, motion, is_paired=is_paired)
             for k, d, motion in zip(c.p.stiffness, c.p.damping, motions, strict=True)
         ]
         slid_y, slid_z = (a - b for a, b in zip(now.pose.offset[1:], s.offset[1:], strict=True))

@@ -14,7 +14,7 @@ from .contract.component import ComponentError, Vector
 from .contract.connection import HEAT, NO_PAIR, SLOPES, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Vector3, add, dot, mean, norm, scaled, subtract
 from .contract.record import Record, kept, observed, tunable
-from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, ORDER, POTENTIAL_ENERGY
+from .contract.roles import DISSIPATED_ENERGY, LOAD, ORDER, POTENTIAL_ENERGY
 from .numerics.interval_mean import MidStep
 from .numerics.laws import SlackSpring
 from .numerics.relative_motion import Line
@@ -27,7 +27,6 @@ class _Parameters(NamedTuple):
     preload: Annotated[float, tunable("N", "Tension at the preload length", 10.0, 0.0)]
     preload_length: Annotated[float, tunable("m", "Distance of the ports with the preload", 0.5, 0.0)]
     damping: Annotated[float, tunable("N.s/m", "Damping along the line while the spring is taut", 0.0, 0.0)]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
 
@@ -88,9 +87,7 @@ class Suspension(Connection[_Parameters, _State, Impulse]):
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
         one = self._checked(p)
-        return _Constants(
-            one, SlackSpring(one.stiffness, one.preload), self._is_paired(one.order, one.end_weight)
-        )
+        return _Constants(one, SlackSpring(one.stiffness, one.preload), self._is_paired(one.order))
 
     def start(self, c: _Constants, u: Inputs[Impulse]) -> _State:
         """At the place of the inputs."""
@@ -120,7 +117,7 @@ class Suspension(Connection[_Parameters, _State, Impulse]):
             force, slope = line.forces(-load.force, -load.slope)
             slide = MidStep.starting(rate + 3.0 * moment / h)
             return _State(now.span, s.heat + load.heat, slide, _wrenches(force), _wrenches(slope))
-        tension, heat = mean_tension(c.spring, c.p.damping, before, after, h, c.p.end_weight)
+        tension, heat = mean_tension(c.spring, c.p.damping, before, after, h)
         force = scaled(-tension / (length + now.length), add(s.span, now.span))
         slide = MidStep.starting(now.rate) if is_impulse else s.slide.after(rate, h)
         return _State(now.span, s.heat + heat, slide, _wrenches(force))

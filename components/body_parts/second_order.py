@@ -13,7 +13,7 @@ import numpy as np
 from ..contract.component import Vector
 from ..numerics.oscillators import Propagator
 from .ports import BodyPorts
-from .tension import OwnTension, TensionForms
+from .tension import OwnTension
 
 _MODAL_TOLERANCE = 1e-13
 
@@ -82,25 +82,6 @@ def change_of(start: Vector, last: Vector, end: Vector) -> float:
 def settled(change: float, before: float) -> bool:
     """Whether the next iteration would change them by less, if it does as this one did."""
     return change <= _MODAL_TOLERANCE or change * change <= _MODAL_TOLERANCE * before
-
-
-def static_deflection(
-    placed: BodyPorts, forms: TensionForms | None, compliance: Vector, a: Vector, eta: Vector, wrench: Vector
-) -> Vector:
-    """Modal coordinates (M,) under world wrenches (K, 6) on a body turned by a, from those before.
-
-    Those that the forces depend on converge as poses do.
-    """
-    conjugate = placed.conjugate(a, a, eta, wrench[:, :3], wrench[:, 3:])
-    force, tension = placed.modal_force(conjugate, eta), placed.tension(conjugate)
-    if forms is not None:
-        here = forms.at(eta)
-        force[: forms.count] -= here.gradient
-        tension = tension - forms.curvature(here.tension, here.slope)
-    s = len(tension)
-    (change,) = _corrections((compliance * force - eta)[:s], _Response(compliance[:s], tension))
-    force[:s] += change
-    return compliance * force
 
 
 def _corrections(residual: Vector, *responses: _Response) -> list[Vector]:

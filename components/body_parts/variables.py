@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..contract.component import Quantity, Vector
-from ..contract.roles import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY, QUASI_STATIC
+from ..contract.roles import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY
 
 _MODAL = Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", resized=True)
 
@@ -41,7 +41,6 @@ def parameters(modes: int) -> list[Quantity]:
             minimum=0.0,
             variability="tunable",
         ),
-        QUASI_STATIC,
     ]
     if modes:
         bent = _MODAL.called("initial_modal_coordinate", modes).saying(

@@ -111,9 +111,9 @@ class Connection(Component, Generic[P, S, C]):
                 raise ComponentError(f"order = {order:g}; it must be 2 or 4")
         return self.parameters.read(p)
 
-    def _is_paired(self, order: float, end_weight: float = 0.5) -> bool:
-        """Whether wrenches are of order 4; static solutions, with an end weight above one half, are of order 2."""
-        return order == 4.0 and end_weight == 0.5 and not self.endpoint
+    def _is_paired(self, order: float) -> bool:
+        """Whether wrenches are of order 4."""
+        return order == 4.0 and not self.endpoint
 
     def inputs(self, u: Vector) -> Inputs[C]:
         """The inputs by name."""

@@ -33,10 +33,6 @@ LATCHED = Quantity("latched", "1", "1 from latch-up on")
 TIME_TO_BREAK = Quantity("time_to_break", "s", "Time to the next instant where a motion law changes its form")
 """Output of what follows a motion law: a master ends a step there."""
 
-END_WEIGHT = Quantity(
-    "end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"
-)
-"""Parameter: one half keeps energy, one is for static solutions."""
 CUT = Quantity("cut", "1", "1: it is cut, and carries nothing", 1, 0.0, 0.0, 1.0, "tunable")
 """Parameter of a cable that an event releases."""
 ORDER = Quantity(
@@ -44,20 +40,6 @@ ORDER = Quantity(
     1, 2.0, 2.0, 4.0, "fixed",
 )  # fmt: skip
 """Parameter of a connection that has a law of order 4."""
-QUASI_STATIC = Quantity(
-    "quasi_static",
-    "1",
-    "1: steps seek static equilibrium instead of following time",
-    1,
-    0.0,
-    0.0,
-    1.0,
-    "tunable",
-)
-"""Parameter of bodies."""
-OF_THE_MASTER = (END_WEIGHT, QUASI_STATIC)
-"""Parameters by which a master seeks equilibrium, and that nobody else may set in a run."""
-
 KINETIC_ENERGY = Quantity("kinetic_energy", "J", "Kinetic energy")
 POTENTIAL_ENERGY = Quantity("potential_energy", "J", "Elastic energy")
 DISSIPATED_ENERGY = Quantity("dissipated_energy", "J", "Energy dissipated since the start")

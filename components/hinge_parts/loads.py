@@ -25,7 +25,6 @@ def stiff_loads(c: Constants, old: State, motions: list[StepMotion]) -> StiffLoa
             c.stiffness[i],
             c.damping[i],
             shifted(motion, c.p.aligned_angle) if i == 3 else motion,
-            c.p.end_weight,
             is_paired=c.paired,
         )
         for i, motion in enumerate(motions)
@@ -61,7 +60,7 @@ def _drive_load(c: Constants, law: Law, motion: StepMotion) -> MeanLoad:
     """Load of a law that drives or brakes the hinge angle, too soft to need numerical damping."""
     if c.paired:
         return workless_law(law, 0.0, motion)
-    return MeanLoad(mean_force(law, motion.start, motion.end, c.p.end_weight), 0.0, 0.0)
+    return MeanLoad(mean_force(law, motion.start, motion.end), 0.0, 0.0)
 
 
 def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
@@ -72,7 +71,7 @@ def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
     if c.paired:
         return workless_law(c.latch, c.latch_damping, deflection, motion.memory.roughness)
     elastic = mean_force(c.latch, deflection.start, deflection.end)
-    return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection, c.p.end_weight)
+    return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection)
 
 
 def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:

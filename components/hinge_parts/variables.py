@@ -12,7 +12,6 @@ from ..contract.record import integrated, kept, observed, tunable
 from ..contract.roles import (
     DISSIPATED_ENERGY,
     DISSIPATION,
-    END_WEIGHT,
     FAILURE_COMMAND,
     HINGE_LOAD,
     HOLD,
@@ -86,7 +85,6 @@ class Parameters(NamedTuple):
         tunable("N.m.s/rad", "Damping of a kinematic latch, so that nothing light rings in it", 2e3, 0.0),
     ]
     hold_stiffness: Annotated[float, tunable("N.m/rad", "Stiffness that holds the angle on hold", 1e7, 0.0)]
-    end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
     @property

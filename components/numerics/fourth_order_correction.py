@@ -58,13 +58,11 @@ def workless_spring(stiffness: float, damping: float, m: StepMotion) -> MeanLoad
     return workless_load(elastic, stiffness, damping, m, m.memory.roughness)
 
 
-def stiff_load(
-    stiffness: float, damping: float, m: StepMotion, end_weight: float, *, is_paired: bool
-) -> MeanLoad:
+def stiff_load(stiffness: float, damping: float, m: StepMotion, *, is_paired: bool) -> MeanLoad:
     """Load of a linear spring and a damper of either order."""
     if is_paired:
         return workless_spring(stiffness, damping, m)
-    return bushing_load(stiffness, damping, m, end_weight)
+    return bushing_load(stiffness, damping, m)
 
 
 def workless_law(law: Law, damping: float, m: StepMotion, roughness: float = 0.0) -> MeanLoad:

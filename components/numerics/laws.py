@@ -31,21 +31,16 @@ class Law(Protocol):
         """Divided difference of V' between two coordinates, V'' where they are one."""
 
 
-def mean_force(law: Law, s0: float, s1: float, end_weight: float = 0.5) -> float:
+def mean_force(law: Law, s0: float, s1: float) -> float:
     """Mean force of a law between the coordinates at both ends of a step.
 
     The discrete gradient, and the force at the middle where the difference is too small to divide by.
-    `end_weight` above one half moves it towards the end value, which only ever dissipates for a convex
-    potential.
     """
     change = s1 - s0
     middle = 0.5 * (s0 + s1)
-    force = (
+    return (
         (law.potential(s0) - law.potential(s1)) / change if abs(change) > LEAST_CHANGE else law.value(middle)
     )
-    if end_weight != 0.5:
-        force += (end_weight - 0.5) * (law.value(s1) - law.value(s0))
-    return force
 
 
 class Linear:

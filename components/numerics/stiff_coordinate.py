@@ -80,22 +80,16 @@ def remembered(m: StepMotion, end_rate: float) -> Memory:
     return Memory(mean, bound if abs(bound) < abs(rigid) else rigid)
 
 
-def bushing_load(stiffness: float, damping: float, m: StepMotion, end_weight: float) -> MeanLoad:
+def bushing_load(stiffness: float, damping: float, m: StepMotion) -> MeanLoad:
     """Mean load of spring, damper and inertial terms of one coordinate."""
     if stiffness == 0.0 and damping == 0.0:
         return MeanLoad(0.0, 0.0, 0.0)
-    return damped_load(-0.5 * stiffness * (m.start + m.end), stiffness, damping, m, end_weight)
+    return damped_load(-0.5 * stiffness * (m.start + m.end), stiffness, damping, m)
 
 
-def damped_load(
-    elastic: float, stiffness: float, damping: float, m: StepMotion, end_weight: float
-) -> MeanLoad:
-    """Mean load with a damper and inertial terms beside the mean elastic force.
-
-    end_weight above one half (static solutions) weights the end value instead of adding inertial terms.
-    """
+def damped_load(elastic: float, stiffness: float, damping: float, m: StepMotion) -> MeanLoad:
+    """Mean load with a damper and inertial terms beside the mean elastic force."""
     change = m.end - m.start
     viscous = -damping * change / m.h
-    static = -stiffness * (end_weight - 0.5) * change
-    numerical = inertial_force(stiffness, m) if end_weight == 0.5 else static
+    numerical = inertial_force(stiffness, m)
     return MeanLoad(elastic + viscous + numerical, -viscous * change, -numerical * change)

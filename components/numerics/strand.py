@@ -19,13 +19,13 @@ def damping_power(strand: SlackSpring, damping: float, elongation: float, rate: 
 
 
 def mean_tension(
-    strand: SlackSpring, damping: float, before: float, after: float, h: float, end_weight: float
+    strand: SlackSpring, damping: float, before: float, after: float, h: float
 ) -> tuple[float, float]:
     """Mean tension (N) over a step h (s) between two elongations, and the heat (J) of the damper."""
-    elastic = -mean_force(strand, before, after, end_weight)
+    elastic = mean_force(strand, before, after)
     rate = (after - before) / h
-    tension = max(elastic + damping * strand.taut_share(before, after) * rate, 0.0)
-    return tension, (tension + mean_force(strand, before, after)) * (after - before)
+    tension = max(-elastic + damping * strand.taut_share(before, after) * rate, 0.0)
+    return tension, (tension + elastic) * (after - before)
 
 
 def strand_load(strand: SlackSpring, damping: float, motion: StepMotion) -> MeanLoad:

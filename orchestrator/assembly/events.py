@@ -12,7 +12,6 @@ from components.contract.roles import (
     CUT,
     FAILURE_COMMAND,
     LATCH_COMMAND,
-    OF_THE_MASTER,
     RELEASE_COMMAND,
 )
 from components.end_stop import OF_HINGE, EndStop
@@ -33,7 +32,6 @@ _ACT_IN_LATCHES = {"latch_stiffness": ("spring",), "latch_damping": ("spring", "
 """Kinds of latches that parameters of them act in."""
 _MOTORS = {"motor_stiffness": "motor_constant_torque", "motor_constant_torque": "motor_stiffness"}
 """Parameters by which a motor drives, and the other one."""
-_OF_THE_MASTER = tuple(one.name for one in OF_THE_MASTER)
 
 
 def assembly_events(
@@ -203,7 +201,7 @@ def _check_motor(part: Part, name: str, value: object, set_with: Collection[str]
 def tunable(name: str, component: Component, kind: str) -> Quantity:
     """The parameter of a name; ValueError where there is none that can be set in mid-run."""
     known = {q.name: q for q in component.parameter_layout.quantities}
-    free = [q.name for q in known.values() if q.variability == "tunable" and q.name not in _OF_THE_MASTER]
+    free = [q.name for q in known.values() if q.variability == "tunable"]
     if name in _OF_A_MOTOR_SPRING and component.structure.get("motor_angle"):
         raise ValueError("has no effect, as the motor is a table; give it by its torques stowed and deployed")
     latch = component.structure.get("latch", "spring")

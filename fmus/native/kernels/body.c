@@ -24,7 +24,6 @@ static int prepare(void *self, const double *p, Reason *why) {
     memcpy(body->start_angular_velocity, p + P_INITIAL_ANGULAR_VELOCITY, sizeof body->start_angular_velocity);
     memcpy(body->start_modal, p + P_INITIAL_MODAL_COORDINATE, body->modes * sizeof(double));
     memcpy(body->gravity, p + P_GRAVITY, sizeof body->gravity);
-    body->quasi_static = p[P_QUASI_STATIC] >= 0.5;
     if (scale == body->damping_scale) return 1;
     body->damping_scale = scale;
     for (size_t j = 0; j < body->modes; j++) body->oscillators.damping_ratio[j] = body->damping_ratio[j] * scale;

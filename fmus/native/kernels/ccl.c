@@ -196,7 +196,7 @@ static inline MeanLoad load_of_strand(const Loop *loop, real before, real after,
 
 /* Mean tension of one strand over a step; adds to the heat. */
 static inline real tension_of_strand(const Loop *loop, real before, real after, double h, real *heat) {
-    return mean_tension(&loop->strand, loop->base.p[P_STRAND_DAMPING], before, after, h, loop->base.p[P_END_WEIGHT], heat);
+    return mean_tension(&loop->strand, loop->base.p[P_STRAND_DAMPING], before, after, h, heat);
 }
 
 /* One step; mean tensions from the strands' elongations at both ends. */
@@ -329,7 +329,7 @@ static int loop_prepare(void *self, const double *p, Reason *why) {
     Loop *loop = self;
     const double preload = p[P_CUT] < 0.5 ? p[P_PRELOAD] : -FAR_APART * p[P_STRAND_STIFFNESS];
     loop->strand = strand_law(p[P_STRAND_STIFFNESS], preload);
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* Both strands at their preload in the pose of the inputs. */

@@ -85,8 +85,6 @@ static inline MeanForces mean_forces(const double *p, real before, real after, d
         p[P_REFERENCE_FORCE] * mean_power(before / reference, after / reference, p[P_EXPONENT]);
     real whole =
         elastic + p[P_DAMPING] * mean_rise(before / full, after / full) * ((after - before) / h);
-    if (p[P_END_WEIGHT] != 0.5)
-        whole += (p[P_END_WEIGHT] - 0.5) * (elastic_force(p, after) - elastic_force(p, before));
     return (MeanForces){elastic, pushing(whole)};
 }
 
@@ -150,7 +148,7 @@ static void *contact_create(const Data *data, const Sizes *sizes, Memory *memory
 }
 
 static int contact_prepare(void *self, const double *p, Reason *why) {
-    return prepare_connection(self, p, 2.0, p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, 2.0, why);
 }
 
 /* At the pose of the inputs. */

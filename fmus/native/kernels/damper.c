@@ -52,7 +52,7 @@ int NAME(damper_rates)(void *self, const real *raw, const real *x, const real *u
 DECLARE_COMPLEX(damper)
 
 static int damper_prepare(void *self, const double *p, Reason *why) {
-    return prepare_connection(self, p, p[P_ORDER], 0.5, why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* At the pose of the inputs. */

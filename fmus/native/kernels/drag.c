@@ -127,7 +127,7 @@ static int drag_prepare(void *self, const double *p, Reason *why) {
     drag->pressure = 0.5 * p[P_AIR_DENSITY] * p[P_DRAG_COEFFICIENT] * p[P_WIDTH];
     if (p[P_END] <= p[P_START])
         return refuse(why, "the plate ends at %g m; it must end beyond its start at %g m", p[P_END], p[P_START]);
-    return prepare_connection(self, p, 2.0, 0.5, why);
+    return prepare_connection(self, p, 2.0, why);
 }
 
 /* At the pose of the inputs. */

@@ -125,7 +125,7 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
         store_mid_step_start(x_next[X_MEMORY + END_RATE], x_next + X_SLIDE);
         store_mid_step_after(x + X_LOAD, load.force, h, x_next + X_LOAD);
     } else {
-        load = bushing_load(base->p[P_STIFFNESS], base->p[P_DAMPING], &motion, base->p[P_END_WEIGHT]);
+        load = bushing_load(base->p[P_STIFFNESS], base->p[P_DAMPING], &motion);
         store_memory(&motion, now.deflection_rate, x_next + X_MEMORY);
         if (!impulse) store_mid_step_after(x + X_SLIDE, mean_rate, h, x_next + X_SLIDE);
         if (impulse) store_rate(now.deflection_rate, x_next + X_MEMORY);
@@ -178,7 +178,7 @@ static int drive_prepare(void *self, const double *p, Reason *why) {
     if (drive->profile == COMMANDED_PROFILE && p[P_START_TIME] != 0.0)
         return refuse(why, "start_time is %g; a commanded drive follows from the start on", p[P_START_TIME]);
     drive->change = p[P_END_ANGLE] - p[P_START_ANGLE];
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* At the pose of the inputs; the angle is the one nearest the start angle. */

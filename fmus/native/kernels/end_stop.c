@@ -35,9 +35,7 @@ static inline MeanLoad stop_load(const EndStop *stop, const StepMotion *m, int p
         elastic = workless_law(&stop->spring, 0.0, m, m->roughness);
         elastic.slope += braking.slope;
     } else {
-        real mean = law_mean_force(&stop->spring, m->start, m->end);
-        real end = law_end_force(&stop->spring, m->start, m->end, stop->axial.base.p[P_END_WEIGHT]);
-        elastic = (MeanLoad){mean + end, 0.0, -end * change, 0.0};
+        elastic.force = law_mean_force(&stop->spring, m->start, m->end);
     }
     return (MeanLoad){elastic.force + braking.force, braking.heat, elastic.numerical, elastic.slope};
 }
@@ -114,7 +112,7 @@ static void *end_stop_create(const Data *data, const Sizes *sizes, Memory *memor
 static int end_stop_prepare(void *self, const double *p, Reason *why) {
     EndStop *stop = self;
     stop->spring = strand_law(p[P_STIFFNESS], 0.0);
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* At the pose of the inputs; the angle is the one nearest the stowed angle. */

@@ -78,7 +78,7 @@ static inline MeanLoad held_load(const HoldDown *hold_down, StepMotion motion, i
         return workless_spring(stiffness, damping, &moved);
     }
     store_memory(&motion, rate, x_next + memory_place(i));
-    return bushing_load(stiffness, damping, &moved, p[P_END_WEIGHT]);
+    return bushing_load(stiffness, damping, &moved);
 }
 
 /* Wrenches over a held step, with what is remembered; adds to the losses. */
@@ -192,7 +192,7 @@ static int hold_down_prepare(void *self, const double *p, Reason *why) {
                           i + 1, preload);
         hold_down->free[i] = stiffness > 0.0 ? -preload * share / stiffness : 0.0;
     }
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* Held, in the pose of the inputs by its initial displacement away from where displacements count. */

@@ -116,7 +116,7 @@ static void *load_create(const Data *data, const Sizes *sizes, Memory *memory, s
 static int load_prepare(void *self, const double *p, Reason *why) {
     Load *load = self;
     load->added_force = p[P_ADDED_FORCE], load->added_torque = p[P_ADDED_TORQUE];
-    return prepare_connection(self, p, p[P_ORDER], 0.5, why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* At the place of the inputs. */

@@ -73,7 +73,7 @@ int NAME(point_motion_step)(void *self, const double *x, const real *u, double h
         store_path(&motion, x_next + X_MEMORY);
         store_mid_step_after(x + X_LOAD, load.force, h, x_next + X_LOAD);
     } else {
-        load = bushing_load(base->p[P_STIFFNESS], base->p[P_DAMPING], &motion, base->p[P_END_WEIGHT]);
+        load = bushing_load(base->p[P_STIFFNESS], base->p[P_DAMPING], &motion);
         store_memory(&motion, now.deflection_rate, x_next + X_MEMORY);
         if (impulse) store_rate(now.deflection_rate, x_next + X_MEMORY);
     }
@@ -123,7 +123,7 @@ static void *point_motion_create(const Data *data, const Sizes *sizes, Memory *m
 }
 
 static int point_motion_prepare(void *self, const double *p, Reason *why) {
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* At the places of the inputs. */

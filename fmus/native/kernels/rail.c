@@ -114,7 +114,7 @@ static inline MeanLoad guiding_load(const Rail *rail, const StepMotion *motion, 
         return workless_spring(rail->stiffness[i], rail->damping[i], motion);
     }
     store_memory(motion, rate, memory);
-    return bushing_load(rail->stiffness[i], rail->damping[i], motion, rail->base.p[P_END_WEIGHT]);
+    return bushing_load(rail->stiffness[i], rail->damping[i], motion);
 }
 
 /* Friction over a step: mean and slope in the plane's axes, heat, deflection at the end. */
@@ -389,7 +389,7 @@ static int rail_prepare(void *self, const double *p, Reason *why) {
     rail->sticks = p[P_FRICTION_FORCE] > 0.0 && p[P_BREAKAWAY_DEFLECTION] > 0.0;
     rail->contact_stiffness = rail->sticks ? p[P_FRICTION_FORCE] / p[P_BREAKAWAY_DEFLECTION] : 0.0;
     rail->contact_damping = rail->sticks ? p[P_FRICTION_FORCE] / p[P_STICTION_VELOCITY] : 0.0;
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* The plane goes through the place of the inputs, less the initial offset and turn. */

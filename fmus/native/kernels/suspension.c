@@ -40,7 +40,7 @@ static inline Vector3 mean_force(const Suspension *suspension, Vector3 old, cons
     real length = vector_norm(old);
     real before = length - suspension->base.p[P_PRELOAD_LENGTH], after = now->length - suspension->base.p[P_PRELOAD_LENGTH];
     real tension = mean_tension(&suspension->spring, suspension->base.p[P_DAMPING], before, after, h,
-                                suspension->base.p[P_END_WEIGHT], heat);
+                                heat);
     return vector_scaled(-tension / (length + now->length), vector_add(old, now->span));
 }
 
@@ -107,7 +107,7 @@ static void *suspension_create(const Data *data, const Sizes *sizes, Memory *mem
 static int suspension_prepare(void *self, const double *p, Reason *why) {
     Suspension *suspension = self;
     suspension->spring = strand_law(p[P_STIFFNESS], p[P_PRELOAD]);
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 /* At the place of the inputs. */

@@ -66,21 +66,17 @@ static inline void store_memory(const StepMotion *m, real end_rate, real *memory
     memory[ROUGHNESS] = 0.0;
 }
 
-/* Mean load with a damper and inertial terms beside the mean elastic force. An end weight above one half (static
-   solutions) weights the end value instead of adding inertial terms. */
-static inline MeanLoad damped_load(real elastic, double stiffness, double damping, const StepMotion *m,
-                                   double end_weight) {
+/* Mean load with a damper and inertial terms beside the mean elastic force. */
+static inline MeanLoad damped_load(real elastic, double stiffness, double damping, const StepMotion *m) {
     real change = m->end - m->start;
-    real viscous = -damping * change / m->h;
-    real numerical = -stiffness * (end_weight - 0.5) * change;
-    if (end_weight == 0.5) numerical = inertial_force(stiffness, m);
+    real viscous = -damping * change / m->h, numerical = inertial_force(stiffness, m);
     return (MeanLoad){elastic + viscous + numerical, -viscous * change, -numerical * change, 0.0};
 }
 
 /* Mean load of spring, damper and inertial terms of one coordinate. */
-static inline MeanLoad bushing_load(double stiffness, double damping, const StepMotion *m, double end_weight) {
+static inline MeanLoad bushing_load(double stiffness, double damping, const StepMotion *m) {
     if (stiffness == 0.0 && damping == 0.0) return (MeanLoad){0.0, 0.0, 0.0, 0.0};
-    return damped_load(-0.5 * stiffness * (m->start + m->end), stiffness, damping, m, end_weight);
+    return damped_load(-0.5 * stiffness * (m->start + m->end), stiffness, damping, m);
 }
 
 #endif

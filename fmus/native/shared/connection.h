@@ -55,11 +55,11 @@ static inline void *create_connection(const Data *data, const Sizes *sizes, Memo
 
 #endif
 
-/* Takes the parameters over. Static solutions, with an end weight above one half, are of order 2. */
-static inline int prepare_connection(void *self, const double *p, double order, double end_weight, Reason *why) {
+/* Takes the parameters over. */
+static inline int prepare_connection(void *self, const double *p, double order, Reason *why) {
     Connection *connection = self;
     memcpy(connection->p, p, sizeof connection->p);
-    connection->paired = order == 4.0 && end_weight == 0.5 && !connection->endpoint;
+    connection->paired = order == 4.0 && !connection->endpoint;
     if (order == 2.0 || order == 4.0) return 1;
     return refuse(why, "order = %g; it must be 2 or 4", order);
 }

@@ -90,12 +90,6 @@ static inline real law_mean_force(const Law *law, real s0, real s1) {
     return (law_potential(law, s0) - law_potential(law, s1)) / change;
 }
 
-/* What a weight of the end value above one half adds to the mean force: a loss, for a convex potential. */
-static inline real law_end_force(const Law *law, real s0, real s1, double end_weight) {
-    if (end_weight == 0.5) return 0.0;
-    return (end_weight - 0.5) * (law_value(law, s1) - law_value(law, s0));
-}
-
 static inline real above(real a, double limit) {
     if (value_of(a) > limit) return a;
     return limit;

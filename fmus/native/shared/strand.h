@@ -19,11 +19,9 @@ static inline real damping_power(const Law *strand, double damping, real elongat
 }
 
 /* Mean tension over a step between two elongations; adds to the heat. */
-static inline real mean_tension(const Law *strand, double damping, real before, real after, double h, double end_weight,
-                                real *heat) {
+static inline real mean_tension(const Law *strand, double damping, real before, real after, double h, real *heat) {
     real plain = law_mean_force(strand, before, after);
-    real elastic = -(plain + law_end_force(strand, before, after, end_weight));
-    real tension = above(elastic + damping * taut_share(strand, before, after) * ((after - before) / h), 0.0);
+    real tension = above(-plain + damping * taut_share(strand, before, after) * ((after - before) / h), 0.0);
     *heat += (tension + plain) * (after - before);
     return tension;
 }

@@ -32,7 +32,7 @@ _TOLERANCE = 1e-9
 _ALIKE, _FALLING = 1e-6, 1e-4
 """m and rad of an iteration that leaves the stiffness as it is, if the work fell to so much of the one before"""
 _MORE, _NEAR = 2.0, 1e-7
-"""Times as far as a damped step, that another may lead on from its end; of steps that move ports (m, rad) further."""
+"""Times as far as the last steps, that another may lead on from there; of steps that move ports (m, rad) further."""
 _DAMPED, _SHORTER, _LONGER, _LONGEST = 1.0, 0.25, 4.0, 1e3
 """Step (s) that a first failure leads to, factors after a failure and after a success, and the longest damped one."""
 _TURNS = 7e-5
@@ -165,7 +165,7 @@ def _iterated(mechanism: Mechanism, tangent: _Tangent, *, at_start: bool) -> boo
     A start is where potential falls to, be it far. Near the end the stiffness is left as it is.
     """
     size = _DAMPED if tangent.is_driven else np.inf
-    moved, before, alike = np.zeros(mechanism.size), np.inf, False
+    moved, before, way, alike = np.zeros(mechanism.size), np.inf, 0.0, False
     for _ in range(_MOST_AT_START if at_start else _MOST_ITERATIONS):
         step = _step(mechanism, tangent, size)
         if step is None or (at_start and step.work < 0.0):
@@ -173,7 +173,7 @@ def _iterated(mechanism: Mechanism, tangent: _Tangent, *, at_start: bool) -> boo
             continue
         pose = mechanism.pose()
         after = _after(mechanism, step, tangent if alike else None, at_start=at_start)
-        if after is None or not _leads_on(mechanism, step, after, size):
+        if after is None or not _leads_on(mechanism, max(step.way, way), after, size):
             mechanism.come_back(pose)
             size, alike = _shorter(size), False
             continue
@@ -186,7 +186,7 @@ def _iterated(mechanism: Mechanism, tangent: _Tangent, *, at_start: bool) -> boo
         if (not at_start and turned > _FARTHEST) or (size >= _LONGEST and after.is_driven):
             return False
         alike = step.way < _ALIKE and abs(step.work) < _FALLING * before < np.inf
-        before, tangent = abs(step.work), after
+        before, way, tangent = abs(step.work), step.way, after
         size = size * _LONGER if size < _LONGEST else np.inf
     return False
 
@@ -219,15 +219,16 @@ def _after(mechanism: Mechanism, step: _Step, kept: _Tangent | None, *, at_start
     return after if np.isfinite(after.model.residual).all() else None
 
 
-def _leads_on(mechanism: Mechanism, step: _Step, after: _Tangent, size: float) -> bool:
-    """Whether a step may be kept, as the one that would follow does not lead further.
+def _leads_on(mechanism: Mechanism, way: float, after: _Tangent, size: float) -> bool:
+    """Whether what would follow leads no further than the last two steps (m, rad).
 
-    Forces say nothing: a joint of 1e9 N/m turns the square of a small rotation into more than all loads.
+    Forces say nothing: a joint of 1e9 N/m turns the square of a small rotation into more than all loads, which the next
+    step, a small one, takes away.
     """
-    if step.way <= _NEAR:
+    if way <= _NEAR:
         return True
     left = _step(mechanism, after, size)
-    return left is None or left.way <= (1.0 if size == np.inf else _MORE) * step.way
+    return left is None or left.way <= _MORE * way
 
 
 def _tangent(mechanism: Mechanism, *, at_start: bool) -> _Tangent:

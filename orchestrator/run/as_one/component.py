@@ -16,7 +16,6 @@ from components.contract.roles import (
     INTERFACE_LOAD,
     LATCH_COMMAND,
     LOAD,
-    OF_THE_MASTER,
     RELEASE_COMMAND,
 )
 from components.end_stop import OF_HINGE
@@ -74,7 +73,6 @@ _MEETS_RATES = Quantity(
 """Of a driven base, the last parameter but one."""
 _INITIAL = "initial_"
 _ORDER, _LATCH_TORQUE = "order", "latch_torque"
-_OF_THE_MASTER = tuple(f".{one.name}" for one in OF_THE_MASTER)
 
 
 class AssembledScene(Component, registered=False):
@@ -149,9 +147,6 @@ class AssembledScene(Component, registered=False):
             if one.name.endswith(f".{_ORDER}"):
                 order = self._orders[one.name.removesuffix(f".{_ORDER}")]
                 yield replace(one, minimum=order, maximum=order)
-            elif one.name.endswith(_OF_THE_MASTER):
-                stays = float(np.ravel(one.start)[0])
-                yield replace(one, minimum=stays, maximum=stays, variability="fixed")
             elif self._rests and f".{_INITIAL}" in one.name:
                 yield one.saying(f"{one.description}; does nothing, as all starts in static equilibrium")
             else:

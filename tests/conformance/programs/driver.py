@@ -168,14 +168,10 @@ class Reference:
         return u
 
     def random_parameters(self, rng):
-        """The present parameters with the tunable ones moved a little, and those that are zero made typical.
-
-        A weight of the end value is for static solutions, which are of order 2: at order 4 it stays.
-        """
-        p, layout = self.p.copy(), self.component.parameter_layout
-        fourth = "order" in layout and p[layout["order"]][0] == 4.0
+        """The present parameters with the tunable ones moved a little, and those that are zero made typical."""
+        p = self.p.copy()
         for quantity in self.component.parameter_layout.quantities:
-            if quantity.variability == "tunable" and not (fourth and quantity.name == "end_weight"):
+            if quantity.variability == "tunable":
                 part = p[self.component.parameter_layout[quantity.name]]
                 part[part == 0.0] = TYPICAL.get(quantity.unit, 0.1)
                 part *= 1.0 + 0.01 * rng.random(part.size)

@@ -102,9 +102,6 @@ def check_parameters(subject, path):
         assert pair.fmu.set(layout[name].start, p[layout[name]]) == OK
     pair.reference.prepare(p)
     same(pair, "with other parameters")
-    if "quasi_static" in layout:
-        assert pair.fmu.set(layout["quasi_static"].start, [1.0]) == OK
-        said(pair.fmu, pair.fmu.vector("getDerivatives")[0], ERROR, "quasi_static is 1")
 
 
 def check_derivatives(subject, path):

@@ -65,7 +65,7 @@ def test_preload_of_amos3_is_the_masters_own(rigid):
         observed = dict(zip(names, participant.observe(), strict=True))
         for key, (value, _) in loads.items():
             if key != "hinge_torque[2]":
-                assert value == pytest.approx(observed[key], abs=1e-5)
+                assert value == pytest.approx(observed[key], abs=5e-3)
 
 
 def test_loops_press_80_newton_through_the_lines():

@@ -177,10 +177,6 @@ BAD = {
         "time = 1\nset = { root = { latch_stiffness = 5 } }",
         "event.a.set.root.latch_stiffness: ",
     ),
-    "the master's": (
-        "time = 1\nset = { root = { end_weight = 1 } }",
-        "event.a.set.root.end_weight: ",
-    ),
     "an input": (
         "time = 1\nset = { root = { hold = 1 } }",
         "event.a.set.root.hold: ",

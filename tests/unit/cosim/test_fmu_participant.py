@@ -370,12 +370,3 @@ def test_fmu_that_cannot_roll_back(tmp_path):
     angles = [Result.open(o.path).signal("middle_left", "angle") for o in (outcome, implicit)]
     assert implicit.master == "implicit"
     assert angles[0][-1] == pytest.approx(angles[1][-1], rel=2e-2)
-
-
-def test_preload_needs_rollback(tmp_path):
-    """Bad input: a static preload without roll-back is refused by name instead of started wrong."""
-    assembly = replace(scene(tmp_path), preload=True)
-    path = without_rollback(faulty_fmu(tmp_path, assembly, "none"))
-    load = with_brake(assembly, Untouchable("brake", path))
-    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.05, load=load)
-    assert "preload" in sentence

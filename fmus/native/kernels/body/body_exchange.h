@@ -70,7 +70,6 @@ static inline Quaternion exchange_turning(Quaternion q, Vector3 omega) {
 
 int NAME(body_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     Body *body = self;
-    if (body->quasi_static) return refuse(why, "quasi_static is 1; rates exist only where a body follows time");
     LocalWork stack;
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);

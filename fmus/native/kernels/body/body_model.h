@@ -40,7 +40,6 @@ typedef struct {
     double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
     double *start_modal; /* in the order of the state */
     double gravity[3], damping_scale;
-    int quasi_static;
     int is_base;         /* 1: it has the input impulse, and tells of the loads at its ports */
     double *outside;     /* of a base 1 a port at which something from outside acts */
     double *origin_arms; /* 3 a port, from the construction frame's origin */

@@ -11,7 +11,6 @@
 #define ANGLE_TOLERANCE 1e-13
 #define ANGLE_ROUNDING 1e-9
 #define SLOPE_TOLERANCE 1e-12
-#define STATIC_ITERATIONS 3
 #define SLOW 0.1 /* contraction of an iteration, from which on its matrix is made anew */
 
 #ifdef FANFOLD_COMPLEX
@@ -290,61 +289,11 @@ static inline int dynamic_step(Body *body, const double *x, const real *u, doubl
     return 1;
 }
 
-/* One implicit step of the gradient flow that static equilibrium iterates: at rest before and after. */
-static inline void static_step(Body *body, const double *x, const real *u, double h, real *x_next) {
-    LocalWork stack;
-    Work work = work_of(body, &stack);
-    Load load = load_of(body, u);
-    size_t n = body->padded_modes, l = body->coordinates;
-    const double *compliance = body->oscillators.compliance;
-    const Quaternion start = {x[X_ORIENTATION], x[X_ORIENTATION + 1], x[X_ORIENTATION + 2], x[X_ORIENTATION + 3]};
-    Quaternion q = start;
-    real a[9];
-    rotation_matrix(q, a);
-    undeformed_arms(body, &work);
-    for (size_t i = 0; i < 2 * l; i++) work.deflection[i] = 0.0;
-    for (size_t j = 0; j < n; j++) work.pi[j] = 0.0;
-    if (body->second_order) { /* what loads are depends on the deflection, which thus converges with the poses */
-        for (size_t j = 0; j < n; j++) work.eta[j] = j < body->modes ? x[X_MODAL_AMPLITUDE + body->order[j]] : 0.0;
-        deformed_arms(body, work.eta, &work);
-    }
-    for (int i = 0; i < STATIC_ITERATIONS; i++) {
-        if (n) {
-            if (body->second_order) hold_pairs(body, &work);
-            modal_force(body, &load, a, a, work.deflection + l, &work);
-            if (body->forms) {
-                hold_tensions(body, work.eta, &work);
-                subtract_held_gradient(body, &work, work.port_force);
-            }
-            if (body->second_order) memcpy(pairs_of(body, &work).last, work.eta, n * sizeof(real));
-            for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
-            if (body->second_order) {
-                correct_forces(body, compliance, NULL, 1.0, 1, &work, work.port_force, NULL);
-                for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
-            }
-            deformed_arms(body, work.eta, &work);
-        }
-        Vector3 moment = vector_add(moment_of(body, &load, work.arms, a), load.mean.torque);
-        Vector3 turn = constant_times(body->coupling.inverse, transposed_times(a, moment));
-        q = quaternion_normalized(quaternion_multiply(start, quaternion_exponential(vector_scaled(h * h, turn))));
-        rotation_matrix(q, a);
-    }
-    for (size_t i = 0; i < X_MODAL_AMPLITUDE; i++) x_next[i] = 0.0;
-    quaternion_store(q, x_next + X_ORIENTATION);
-    Vector3 pull = vector_add(vector_scaled(1.0 / body->mass, load.mean.force), constant_vector(body->gravity));
-    vector_store(vector_add(constant_vector(x + X_POSITION), vector_scaled(h * h, pull)), x_next + X_POSITION);
-    x_next[X_HEAT] = x[X_HEAT];
-    store_modes(body, work.eta, work.pi, x_next);
-    for (size_t i = 0; i < WRENCH_SIZE * body->ports; i++) x_next[X_MODAL_AMPLITUDE + 2 * body->modes + i] = 0.0;
-}
-
 int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
 
 int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     Body *body = self;
-    if (body->quasi_static)
-        static_step(body, x, u, h, x_next);
-    else if (!dynamic_step(body, x, u, h, x_next, why))
+    if (!dynamic_step(body, x, u, h, x_next, why))
         return 0;
     if (body->is_base) store_interface(body, x, u, h, x_next);
     return 1;

@@ -49,7 +49,7 @@ static int hinge_prepare(void *self, const double *p, Reason *why) {
     hinge->latch_stiffness = p[hinge->locks ? P_LOCK_STIFFNESS : P_LATCH_STIFFNESS];
     hinge->latch_damping = p[hinge->locks ? P_LOCK_DAMPING : P_LATCH_DAMPING];
     if (hinge->latch_kind != TABLE_LATCH) hinge->latch = spring_law(hinge->latch_stiffness, 0.0);
-    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], why);
 }
 
 #endif

@@ -16,15 +16,13 @@ static inline Transverse mean_swing(const double *x, const Motion *new) {
 /* Load of the bushing in a coordinate. */
 static inline MeanLoad stiff_load(const Hinge *hinge, int i, const StepMotion *motion) {
     if (hinge->base.paired) return workless_spring(hinge->stiffness[i], hinge->damping[i], motion);
-    return bushing_load(hinge->stiffness[i], hinge->damping[i], motion, hinge->base.p[P_END_WEIGHT]);
+    return bushing_load(hinge->stiffness[i], hinge->damping[i], motion);
 }
 
 /* Load of a law that drives or brakes the hinge angle, too soft to need numerical damping. */
 static inline MeanLoad drive_load(const Hinge *hinge, const Law *law, const StepMotion *motion) {
     if (hinge->base.paired) return workless_law(law, 0.0, motion, 0.0);
-    real force = law_mean_force(law, motion->start, motion->end) +
-                 law_end_force(law, motion->start, motion->end, hinge->base.p[P_END_WEIGHT]);
-    return (MeanLoad){force, 0.0, 0.0, 0.0};
+    return (MeanLoad){law_mean_force(law, motion->start, motion->end), 0.0, 0.0, 0.0};
 }
 
 /* Mean latch torque, its heat, and what the scheme took away. */
@@ -32,7 +30,7 @@ static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, Ste
     StepMotion deflection = shifted_motion(motion, grip->latched_angle);
     if (hinge->base.paired) return workless_law(&hinge->latch, hinge->latch_damping, &deflection, deflection.roughness);
     real elastic = law_mean_force(&hinge->latch, deflection.start, deflection.end);
-    return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection, hinge->base.p[P_END_WEIGHT]);
+    return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection);
 }
 
 /* Mean loads of bushing and latch. */

@@ -46,7 +46,7 @@ def test_a_beam_falls_with_gravity():
 def test_a_step_beyond_its_range_is_refused_in_a_sentence(wrench, h, words):
     """Two elements under moments that would turn each by 4 and by 1.4 radians, and a load that is no number."""
     beam = straight((0, 0, 0), (1, 0, 0), 2, slender(5.0), {"root": 0, "tip": 2})
-    c = prepared(beam, quasi_static=1.0)
+    c = prepared(beam)
     opposite = tuple(-value if np.isfinite(value) else 0.0 for value in wrench)
     u = wrenches(beam, root=opposite, tip=wrench)
     with pytest.raises(ComponentError, match=words):

@@ -285,18 +285,6 @@ def test_slopes_make_a_wrench_that_swings_fourth_order_in_the_vibration():
         assert errors[0] / errors[1] == pytest.approx(factor, rel=0.1)
 
 
-def test_static_steps_ignore_slopes_and_have_no_moments():
-    """By definition: a static step has no time in which a wrench could change."""
-    body, c = flexible(quasi_static=1.0)
-    u = wrenches()
-    x, _ = moving_state(body, c)
-    sloped = u.copy()
-    sloped[12:] = 7.0
-    y = body.step(c, x, u, 0.01)
-    assert np.array_equal(y, body.step(c, x, sloped, 0.01))
-    assert not moments(body, c, y).any()
-
-
 def test_extrapolated_energy_of_sloped_steps():
     """Energy balance of a tumbling body under a wrench that swings: what is missing vanishes with the step.
 

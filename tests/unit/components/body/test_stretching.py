@@ -79,21 +79,6 @@ def test_rates_are_those_of_small_steps(data):
     assert grown == pytest.approx(rates, abs=1e-6 * np.abs(rates).max())
 
 
-def test_static_deflection_is_equilibrium(data):
-    """Definition: under opposite forces at middle and border the rates of all modal momenta vanish."""
-    body = Body(data.to_arrays(), PORTS)
-    still, moving = prepared(body, quasi_static=1.0), prepared(body)
-    u = np.zeros(24)
-    u[2], u[8] = -20.0, 20.0
-    x = body.initial(still, u)
-    for _ in range(10):
-        x = body.step(still, x, u, 1e-6)
-    eta = modal(x, body.modes)[0]
-    assert body.tension.energy(eta) > 0.1 * total_energy(body, moving, x)
-    rates = body.rates(moving, x, u)[-body.modes :]
-    assert np.abs(rates).max() < 1e-9 * np.abs(data.frequency**2 * eta).max()
-
-
 def test_it_needs_the_inertia_of_second_order(data):
     """Sentence, as of all bodies with modes of second order."""
     with pytest.raises(ComponentError, match="'full'"):

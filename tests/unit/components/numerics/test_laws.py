@@ -53,17 +53,6 @@ def test_mean_force_does_the_work_of_the_potential(name, start, end):
     assert work == pytest.approx(drop, abs=1e-15 + 4e-16 * scale + small)
 
 
-@given(st.sampled_from(("linear", "strand")), PLACE, PLACE, st.floats(0.5, 1.0))
-def test_end_weight_never_creates_energy(name, start, end, weight):
-    """Convexity: the weighted end value does at most the work of the potential."""
-    law, s0, s1 = LAWS[name], start * SPAN[name], end * SPAN[name]
-    exact = mean_force(law, s0, s1) * (s1 - s0)
-    assert mean_force(law, s0, s1, weight) * (s1 - s0) <= exact + 1e-12 * abs(exact)
-    assert mean_force(law, s0, s1, 1.0) == pytest.approx(
-        mean_force(law, s0, s1) + 0.5 * (law.value(s1) - law.value(s0)), rel=1e-12, abs=1e-12
-    )
-
-
 @given(NAMES, PLACE)
 def test_mean_force_tends_to_the_value(name, place):
     """Limit of the discrete gradient on both sides of its switch at 1e-5: within the steepest slope times the step."""

@@ -225,14 +225,11 @@ def test_parameters_before_the_start(path):
     assert fast == pytest.approx(usual * (2.0 / 3.0) ** 0.5, rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("name", "value"), [("root.order", 2.0), ("root.end_weight", 0.6), ("panel.quasi_static", 1.0)]
-)
-def test_what_is_the_masters_is_its_own(path, name, value):
+def test_what_is_the_masters_is_its_own(path):
     """Regression: components of another order or scheme than the master's gave wrong torques, without a word."""
     host = Host(path)
     with pytest.raises(fmpy.fmi1.FMICallException):
-        host.start(**{name: value})
+        host.start(**{"root.order": 2.0})
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
