@@ -31,7 +31,15 @@ from .beam_parts.banded import Factors
 from .beam_parts.elements import Elements, Poses, Strains
 from .beam_parts.variables import Section, observations, parameters, states
 from .contract.component import Component, ComponentError, Port, Vector
-from .contract.frames import Quaternion, multiply, normalized, rotation_matrix, skew, sum_of_moments
+from .contract.frames import (
+    Quaternion,
+    exponential,
+    multiply,
+    normalized,
+    rotation_matrix,
+    skew,
+    sum_of_moments,
+)
 from .contract.ports import WRENCH_SIZE
 
 _MOST_ITERATIONS = 25
@@ -54,8 +62,8 @@ _UNTURNED = (1.0, 0.0, 0.0, 0.0)
 class _Constants:
     gravity: Vector
     stiffness_damping: float
-    quasi_static: bool
     start: tuple[Vector, Vector, Vector, Vector]
+    bent: tuple[Vector, Vector]
 
 
 class _Nodes(NamedTuple):
@@ -73,10 +81,10 @@ class _Nodes(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """What a step starts from; no strains in static solutions, where its end stands for its start."""
+    """What a step starts from."""
 
     nodes: _Nodes
-    strains: Strains | None
+    strains: Strains
     wrench: Vector
     h: float
     damping: float
@@ -123,7 +131,7 @@ class Beam(Component):
         self._declare(
             {"nodes": [dict(n) for n in nodes], "section": dict(section), "ports": [dict(p) for p in ports]},
             ports=[Port(p["name"], "body", 2) for p in ports],
-            parameters=parameters(),
+            parameters=parameters(count),
             observations=observations(count),
             states=states(count),
         )
@@ -166,16 +174,21 @@ class Beam(Component):
         return _Constants(
             gravity=p[at["gravity"]].copy(),
             stiffness_damping=float(p[at["stiffness_damping"]][0]),
-            quasi_static=bool(p[at["quasi_static"]][0] >= 0.5),
             start=(position, turn, velocity, rate),
+            bent=(p[at["initial_displacement"]].reshape(-1, 3), p[at["initial_rotation"]].reshape(-1, 3)),
         )
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
-        """Undeformed, placed and moving like a rigid body as the initial parameters say."""
+        """Placed, bent and moving like a rigid body as the initial parameters say."""
         position, orientation, velocity, rate = c.start
+        displacements, rotations = c.bent
         q = normalized(tuple(orientation.tolist()))
-        positions = position + self._positions @ rotation_matrix(q).T
-        quaternions = np.array([normalized(multiply(q, tuple(own))) for own in self._orientations.tolist()])
+        positions = position + (self._positions + displacements) @ rotation_matrix(q).T
+        turned = [
+            multiply(exponential(tuple(turn)), tuple(own))
+            for turn, own in zip(rotations.tolist(), self._orientations.tolist(), strict=True)
+        ]
+        quaternions = np.array([normalized(multiply(q, own)) for own in turned])
         center = self._weights @ positions / self._weights.sum()
         velocities = velocity + (positions - center) @ skew(rate).T
         rates = np.einsum("nji,j->ni", _directors(quaternions), rate)
@@ -197,15 +210,11 @@ class Beam(Component):
         """One step under held wrenches in world axes."""
         # the absurd wrenches an iteration may try end as a refusal, without a warning
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            nodes = self._nodes(x)
-            strains = None if c.quasi_static else self.elements.strains(nodes.poses)
-            damping = 0.0 if c.quasi_static else c.stiffness_damping / h
-            start = _Step(nodes, strains, u.reshape(-1, WRENCH_SIZE), h, damping)
+            n = self._nodes(x)
+            damping = c.stiffness_damping / h
+            start = _Step(n, self.elements.strains(n.poses), u.reshape(-1, WRENCH_SIZE), h, damping)
             trial = self._iterated(c, start)
-        n = nodes
         position = n.position + trial.travel
-        if start.strains is None:
-            return self._state(x[0], position, trial.quaternion, 0.0 * n.velocity, 0.0 * n.rate)
         velocity = n.velocity + h * (self._inverse_masses @ trial.loads[:, :3])
         spin = np.einsum("nij,nj->ni", n.directors, self._inertia * n.rate) + h * trial.loads[:, 3:]
         rate = np.einsum("nji,nj->ni", trial.poses.directors, spin) / self._inertia
@@ -216,9 +225,8 @@ class Beam(Component):
     def _iterated(self, c: _Constants, start: _Step) -> _Trial:
         """Newton's iteration from uniform motion, with factors kept while they serve."""
         nodes = start.nodes
-        moving = 0.0 if start.strains is None else start.h
-        travel = moving * nodes.velocity
-        turn = moving * np.einsum("nij,nj->ni", nodes.directors, nodes.rate)
+        travel = start.h * nodes.velocity
+        turn = start.h * np.einsum("nij,nj->ni", nodes.directors, nodes.rate)
         factors, before, done = None, np.inf, False
         for iteration in range(_MOST_ITERATIONS):
             trial = self._trial(c, start, travel, turn)
@@ -254,23 +262,23 @@ class Beam(Component):
         spans = np.diff(nodes.position, axis=0) + np.diff(travel, axis=0)
         poses = Poses(_directors(quaternion), spans)
         strains = self.elements.strains(poses)
-        old, before = self._before(start, poses, strains)
+        old, before = nodes.poses, start.strains
         mean = old.mean(poses)
         growth = self.elements.grown(before, strains, self.elements.changes(mean, travel, turn))
         stress = self.elements.stresses(before, strains, start.damping * growth)
-        pairs = self.elements.loads(mean, stress)
-        loads = np.zeros((len(turn), 6))
+        arms = self._world_arms(0.5 * (old.directors + poses.directors))
+        loads = self._on_nodes(c, self.elements.loads(mean, stress), arms, start.wrench)
+        return _Trial(travel, turn, quaternion, poses, strains, growth, stress, loads)
+
+    def _on_nodes(self, c: _Constants, pairs: Vector, arms: Vector, wrenches: Vector) -> Vector:
+        """Loads (n, 6) of elements (m, 12), weight, and wrenches (ports, 6) at arms (ports, 3)."""
+        loads = np.zeros((len(pairs) + 1, 6))
         loads[:-1] += pairs[:, :6]
         loads[1:] += pairs[:, 6:]
         loads[:, :3] += self._weights[:, None] * c.gravity
-        arms = self._world_arms(0.5 * (old.directors + poses.directors))
-        force = start.wrench[:, :3]
-        np.add.at(loads, self._at, np.hstack((force, _cross(arms, force) + start.wrench[:, 3:])))
-        return _Trial(travel, turn, quaternion, poses, strains, growth, stress, loads)
-
-    def _before(self, start: _Step, poses: Poses, strains: Strains) -> tuple[Poses, Strains]:
-        """Poses and strains at the start of a step, in static solutions those of its end."""
-        return (poses, strains) if start.strains is None else (start.nodes.poses, start.strains)
+        force = wrenches[:, :3]
+        np.add.at(loads, self._at, np.hstack((force, _cross(arms, force) + wrenches[:, 3:])))
+        return loads
 
     def _world_arms(self, directors: Vector) -> Vector:
         """Arms (ports, 3) of the ports, world axes."""
@@ -282,13 +290,9 @@ class Beam(Component):
         n, h = start.nodes, start.h
         gain = np.empty_like(trial.loads)
         turn = np.einsum("nji,nj->ni", n.directors, trial.turn)
-        if start.strains is None:
-            gain[:, :3] = self._masses @ trial.travel / h**2
-            gain[:, 3:] = np.einsum("nij,nj->ni", n.directors, self._inertia * turn) / h**2
-        else:
-            gain[:, :3] = self._masses @ (2.0 * trial.travel / h - 2.0 * n.velocity) / h
-            spin = np.einsum("nij,nj->ni", trial.poses.directors, self._inertia * (2.0 * turn / h - n.rate))
-            gain[:, 3:] = (spin - np.einsum("nij,nj->ni", n.directors, self._inertia * n.rate)) / h
+        gain[:, :3] = self._masses @ (2.0 * trial.travel / h - 2.0 * n.velocity) / h
+        spin = np.einsum("nij,nj->ni", trial.poses.directors, self._inertia * (2.0 * turn / h - n.rate))
+        gain[:, 3:] = (spin - np.einsum("nij,nj->ni", n.directors, self._inertia * n.rate)) / h
         result: Vector = gain - trial.loads
         return result
 
@@ -297,36 +301,84 @@ class Beam(Component):
 
         with_ports: whether the arms of the ports' forces turn as well.
         """
-        static = start.strains is None
-        old, before = self._before(start, trial.poses, trial.strains)
         viscous = start.damping * trial.growth
-        stiffness = self.elements.stiffnesses(before, trial.strains, start.damping, viscous)
-        # where the end stands for the start as well, it counts twice
-        pairs = -(2.0 if static else 1.0) * self.elements.tangent(old, trial.poses, trial.stress, stiffness)
+        stiffness = self.elements.stiffnesses(start.strains, trial.strains, start.damping, viscous)
+        pairs = -self.elements.tangent(start.nodes.poses, trial.poses, trial.stress, stiffness)
         nodes = np.zeros((len(trial.turn), 6, 6))
         self._add_inertia(nodes, pairs, start, trial)
         if not with_ports:
             return Factors(nodes, pairs)
-        arms, force = self._world_arms(trial.poses.directors), start.wrench[:, :3]
-        turned = arms[:, :, None] * force[:, None, :] - (arms * force).sum(1)[:, None, None] * _IDENTITY
-        np.add.at(nodes[:, 3:, 3:], self._at, -(1.0 if static else 0.5) * turned)
+        np.add.at(
+            nodes[:, 3:, 3:], self._at, -0.5 * self._turning(trial.poses.directors, start.wrench[:, :3])
+        )
         return Factors(nodes, pairs)
 
+    def _turning(self, directors: Vector, force: Vector) -> Vector:
+        """Derivatives (ports, 3, 3) of moments of the ports' forces (ports, 3) by rotations of their nodes."""
+        arms = self._world_arms(directors)
+        found: Vector = (
+            arms[:, :, None] * force[:, None, :] - (arms * force).sum(1)[:, None, None] * _IDENTITY
+        )
+        return found
+
     def _add_inertia(self, nodes: Vector, pairs: Vector, start: _Step, trial: _Trial) -> None:
-        h, static = start.h, start.strains is None
-        share = (1.0 if static else 2.0) / h**2
+        h = start.h
+        share = 2.0 / h**2
         element = share * self._section.line_mass * self.elements.lengths / 6.0
         for row in (0, 6):
             for column in (0, 6):
                 weight = element * (2.0 if row == column else 1.0)
                 pairs[:, row : row + 3, column : column + 3] += weight[:, None, None] * _IDENTITY
-        end = start.nodes.directors if static else trial.poses.directors
+        end = trial.poses.directors
         inertia = (end * self._inertia[:, None, :]) @ start.nodes.directors.swapaxes(1, 2)
         nodes[:, 3:, 3:] = share * inertia @ _cayley_rates(trial.turn)
-        if not static:
-            turn = np.einsum("nji,nj->ni", start.nodes.directors, trial.turn)
-            rate = 2.0 * turn / h - start.nodes.rate
-            nodes[:, 3:, 3:] -= skew(np.einsum("nij,nj->ni", end, self._inertia * rate)) / h
+        turn = np.einsum("nji,nj->ni", start.nodes.directors, trial.turn)
+        rate = 2.0 * turn / h - start.nodes.rate
+        nodes[:, 3:, 3:] -= skew(np.einsum("nij,nj->ni", end, self._inertia * rate)) / h
+
+    def loads_at_rest(self, c: _Constants, x: Vector, wrenches: Vector) -> Vector:
+        """Forces and moments (n, 6) on the nodes of elements, weight and wrenches (ports, 6), world axes."""
+        poses = self._nodes(x).poses
+        strains = self.elements.strains(poses)
+        pairs = self.elements.loads(
+            poses, self.elements.stresses(strains, strains, 0.0 * self.elements.excess(strains))
+        )
+        return self._on_nodes(c, pairs, self._world_arms(poses.directors), wrenches)
+
+    def stiffness_at_rest(self, x: Vector, wrenches: Vector) -> Vector:
+        """Minus their derivatives (6 n, 6 n) by displacements and rotation vectors of the nodes, world axes."""
+        poses = self._nodes(x).poses
+        strains = self.elements.strains(poses)
+        none = 0.0 * self.elements.excess(strains)
+        stress = self.elements.stresses(strains, strains, none)
+        stiffness = self.elements.stiffnesses(strains, strains, 0.0, none)
+        # poses are those of the end and of the start, so that they count twice
+        pairs = -2.0 * self.elements.tangent(poses, poses, stress, stiffness)
+        count = len(self._positions)
+        found = np.zeros((count, 6, count, 6))
+        for m, pair in enumerate(pairs.reshape(-1, 2, 6, 2, 6)):
+            found[m : m + 2, :, m : m + 2] += pair
+        for node, turned in zip(self._at, self._turning(poses.directors, wrenches[:, :3]), strict=True):
+            found[node, 3:, node, 3:] -= turned
+        return found.reshape(6 * count, 6 * count)
+
+    def mass_at_rest(self, x: Vector) -> Vector:
+        """Mass matrix (6 n, 6 n) by the same."""
+        directors, count = self._nodes(x).directors, len(self._positions)
+        found = np.zeros((count, 6, count, 6))
+        found[:, :3, :, :3] = np.einsum("mn,ij->minj", self._masses, _IDENTITY)
+        turning = (directors * self._inertia[:, None, :]) @ directors.swapaxes(1, 2)
+        for node in range(count):
+            found[node, 3:, node, 3:] = turning[node]
+        return found.reshape(6 * count, 6 * count)
+
+    def motion_of_port(self, x: Vector, port: int) -> Vector:
+        """Motion (6, 6 n) of a port by the same."""
+        found = np.zeros((6, 6 * len(self._positions)))
+        own = found[:, 6 * self._at[port] :][:, :6]
+        own[:] = np.eye(6)
+        own[:3, 3:] = -skew(self._world_arms(self._nodes(x).directors)[port])
+        return found
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Pose and velocity of every port, world axes."""

@@ -19,6 +19,7 @@ FMUs. Errors are `FanfoldError`, warnings `FanfoldWarning`. Names are imported a
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -67,61 +68,29 @@ if TYPE_CHECKING:
     from .api.warnings import FanfoldWarning as FanfoldWarning
     from .scene.builder import Scene as Scene
 
-_HOMES = {
-    "FanfoldError": "components",
-    "body_outputs": "orchestrator.api.analyses",
-    "constraints": "orchestrator.api.analyses",
-    "equilibrium": "orchestrator.api.analyses",
-    "appendage": "orchestrator.api.analyses",
-    "frequency_response": "orchestrator.api.analyses",
-    "impacts": "orchestrator.api.analyses",
-    "latch_tuning": "orchestrator.api.analyses",
-    "mode_study": "orchestrator.api.analyses",
-    "modes": "orchestrator.api.analyses",
-    "quasi_static": "orchestrator.api.analyses",
-    "restart": "orchestrator.api.analyses",
-    "step_study": "orchestrator.api.analyses",
-    "stress": "orchestrator.api.analyses",
-    "torque_margin": "orchestrator.api.analyses",
-    "cache": "orchestrator.api.cache",
-    "wing_latch_tuning": "orchestrator.api.analyses",
-    "compare": "orchestrator.api.documents",
-    "plot_comparison": "orchestrator.api.documents",
-    "report": "orchestrator.api.documents",
-    "docs": "orchestrator.api.handbook.python_face",
-    "json_schema": "orchestrator.api.handbook.python_face",
-    "plot": "orchestrator.api.pictures",
-    "figure": "orchestrator.api.plugins",
-    "load_plugin": "orchestrator.api.plugins",
-    "trust": "orchestrator.api.plugins",
-    "Result": "orchestrator.api.result",
-    "export_view": "orchestrator.api.viewers",
-    "FanfoldWarning": "orchestrator.api.warnings",
-    "check": "orchestrator.api.simulate",
-    "check_scene": "orchestrator.api.simulate",
-    "export": "orchestrator.api.export",
-    "export_body": "orchestrator.api.export",
-    "load": "orchestrator.api.simulate",
-    "resume": "orchestrator.api.simulate",
-    "scenes": "orchestrator.api.simulate",
-    "simulate": "orchestrator.api.simulate",
-    "Study": "orchestrator.api.study",
-    "resume_study": "orchestrator.api.study",
-    "study": "orchestrator.api.study",
-    "gradients": "orchestrator.api.gradients",
-    "tune": "orchestrator.api.tune",
-    "Scene": "orchestrator.scene.builder",
-}
 
-__all__ = list(_HOMES)
+def _homes() -> dict[str, str]:
+    """Module of each name: what type checkers read above."""
+    from ast import If, ImportFrom, parse
+
+    tree = parse(Path(__file__).read_text(encoding="utf-8"))
+    block = next(node for node in tree.body if isinstance(node, If))
+    imports = [node for node in block.body if isinstance(node, ImportFrom)]
+    return {
+        one.names[0].name: f"{__name__}.{one.module}" if one.level else str(one.module) for one in imports
+    }
+
+
+HOMES = _homes()
+__all__ = sorted(HOMES)
 
 
 if not TYPE_CHECKING:  # type checkers know the names above and no others
 
     def __getattr__(name: str) -> Any:  # noqa: ANN401 - of whatever type it has where it is defined
-        if name not in _HOMES:
+        if name not in HOMES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        return getattr(import_module(_HOMES[name]), name)
+        return getattr(import_module(HOMES[name]), name)
 
 
 def __dir__() -> list[str]:

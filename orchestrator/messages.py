@@ -54,6 +54,7 @@ CODES = {
     "W-loop-data": "a cable loop's radii, axis or stiffness do not fit its lines",
     "W-membrane-mesh": "a membrane's mesh is coarse for its rims",
     "W-modes-omitted": "an analysis of small motion leaves something out",
+    "W-motion-reach": "a joint stays open where motions lead farthest",
     "W-motor-short": "a motor is weaker than friction and harness somewhere on the way",
     "W-no-end": "nothing ends a line's motion",
     "W-not-opened": "a line has not reached its latch, stop or deployed angle",
@@ -64,7 +65,6 @@ CODES = {
     "W-preload": "the static equilibrium of the start changes a preload or a pose",
     "W-rail-start": "a rail starts off its plane, or has no stiffness",
     "W-redundant": "joints constrain the same motion more than once",
-    "W-restless": "the static search left motion at the start",
     "W-rigid-twin": "a flexible body and its rigid model have different masses",
     "W-signals": "a pattern matches no signal",
     "W-singular-start": "the scene starts in a singular position",
@@ -80,8 +80,7 @@ CODES = {
     "W-turned-start": "joints turn a placed body at the start",
     "N-linear-plate": "a plate that the scene states to be linear bent by more than its thickness",
     "N-repeated": "the run was repeated with a smaller tolerance",
-    "N-repetition-costly": "a repetition with a smaller tolerance was too costly",
-    "N-repetition-failed": "a repetition with a smaller tolerance failed",
+    "N-repetition-failed": "a repetition with a smaller tolerance failed or took too many steps",
     "N-tolerance": "an estimated error exceeds ten tolerances",
 }
 """Meaning of every code, in one clause."""

@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..contract.component import ComponentError, Quantity, Vector
-from ..contract.roles import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY, QUASI_STATIC
+from ..contract.roles import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY
 
 _UNTURNED = (1.0, 0.0, 0.0, 0.0)
-INERTIA_AXES = ("inertia_x", "inertia_y", "inertia_z")
 
 
 class Section(NamedTuple):
@@ -65,8 +64,8 @@ class Section(NamedTuple):
         return np.array(self[7:])
 
 
-def parameters() -> list[Quantity]:
-    """Start motion, fixed; gravity, damping and mode of solution, tunable."""
+def parameters(nodes: int) -> list[Quantity]:
+    """Start of a beam with this number of nodes, fixed; gravity and damping, tunable."""
     vectors = (
         ("initial_position", "m", "Start position of the construction frame, world axes"),
         ("initial_velocity", "m/s", "Start velocity of the centre of mass"),
@@ -82,7 +81,10 @@ def parameters() -> list[Quantity]:
         Quantity("gravity", "m/s2", "Gravitational acceleration, world axes", 3, variability="tunable"),
         Quantity("stiffness_damping", "s", "Damping as a multiple of the stiffness", minimum=0.0,
                  variability="tunable"),
-        QUASI_STATIC,
+        *(replace(_resized(name, unit, f"Start {text} of the nodes from there, its axes, one after the other",
+                           3 * nodes), variability="fixed")
+          for name, unit, text in (("initial_displacement", "m", "displacements"),
+                                   ("initial_rotation", "rad", "rotation vectors"))),
     ]  # fmt: skip
 
 

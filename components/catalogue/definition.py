@@ -69,7 +69,6 @@ class BodyDefinition:
     frame: Frame | None
     attachment_points: tuple[str, ...]
     nodes: tuple[str, ...]
-    masses: PointMasses = ()
     twin: RigidTwin = RigidTwin()
     face_sheets: FaceSheets | None = None
     beam: BeamBody | None = None
@@ -88,15 +87,15 @@ class BodyDefinition:
 
         self._check(masses)
         if self.beam is not None:
-            return with_masses(self.beam.model(self.points), (*self.masses, *masses))
+            return with_masses(self.beam.model(self.points), masses)
         if self.imported is not None:
-            return with_masses(self.imported.model(), (*self.masses, *masses))
+            return with_masses(self.imported.model(), masses)
         arms = () if self.panel is None else self.panel.arms
         models = [] if self.panel is None else [panel_model(self.panel)]
         if self.frame is not None:
             met = {*self.points, *(arm.name for arm in arms)}
             models.append(self.frame.model([name for name, _ in self.frame.joints if name in met]))
-        return with_masses(reduce(joined, models), (*self.masses, *masses))
+        return with_masses(reduce(joined, models), masses)
 
     def flexible(
         self, fixed_interface_modes: int = 10, masses: PointMasses = (), second_order_modes: int = 0

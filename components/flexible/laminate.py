@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,11 +30,6 @@ class Layer:
     """Pa"""
     angle: float = 0.0
     """from x to the fibres, rad"""
-
-    @property
-    def is_known(self) -> bool:
-        """Whether none of its numbers is NaN."""
-        return not np.isnan(astuple(self)).any()
 
     def stiffness(self) -> Vector:
         """Plane-stress stiffness (3, 3) in the axes of the plate, Pa."""

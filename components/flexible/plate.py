@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise, product
+from math import sqrt
 from typing import Literal
 
 from .beam_frame import BeamSection
@@ -55,6 +56,11 @@ class Plate:
     prestress: float = 0.0
     """tension in every direction of the plane, which adds T/2 (w,x² + w,y²) to the energy, N/m"""
     geometry: Geometry = "linear"
+
+    @property
+    def equivalent_thickness(self) -> float:
+        """Thickness (m) of a homogeneous plate of its stiffnesses."""
+        return sqrt(12.0 * self.bending[0] / self.membrane[0])
 
 
 @dataclass(frozen=True)

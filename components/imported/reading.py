@@ -15,14 +15,11 @@ from .data import FiniteElementData
 from .files import WHOLE
 from .matrices import from_matrices, read_npz
 from .opening import reading
-from .text.decks import DECKS, included, read_deck
+from .text.decks import DECK, included, read_deck
 from .text.entries import read_columns, read_dofs, read_entries
-from .text.harwell_boeing import is_harwell_boeing, read_harwell_boeing
-from .text.labelled import LabelledMatrix
-from .text.user_element import is_user_element, read_user_element
 
 _BULK = (".pch", ".bdf", ".nas", ".dmig")
-ENDINGS = (".npz", ".op4", ".op2", ".asm", *_BULK, ".sti", ".mtx")
+ENDINGS = (".npz", ".op4", ".op2", ".asm", *_BULK, ".sti")
 """Of files that hold everything, or K and M at least."""
 _CALCULIX = {"stiffness": ".sti", "mass": ".mas", "dofs": ".dof", "coordinates": ".inp"}
 _HEAD = b"%%MatrixMarket"
@@ -46,8 +43,6 @@ def _read_whole(whole: Path, further: Mapping[str, Path]) -> FiniteElementData:
         return read_npz(whole)
     if ending == ".sti":
         return from_matrices(_matrices(_of_calculix(whole, further)))
-    if ending == ".mtx":
-        return from_matrices({**_of_substructure(whole), **_matrices(further)})
     from . import nastran, nastran_bulk  # loads pyYeti
 
     readers: Mapping[str, Callable[[], FiniteElementData]] = {
@@ -67,7 +62,7 @@ def beside(path: Path) -> tuple[Path, ...]:
         return (path,)
     parts = {".asm": (".asm", ".op4", ".pch"), ".sti": tuple(_CALCULIX.values())}
     found = [path.with_suffix(ending) for ending in parts.get(path.suffix.lower(), (path.suffix,))]
-    return tuple(part for one in found for part in (included(one) if one.suffix.lower() == ".inp" else [one]))
+    return tuple(part for one in found for part in (included(one) if one.suffix.lower() == DECK else [one]))
 
 
 def _of_calculix(path: Path, further: Mapping[str, Path]) -> dict[str, Path]:
@@ -82,16 +77,6 @@ def _of_calculix(path: Path, further: Mapping[str, Path]) -> dict[str, Path]:
     return found
 
 
-def _of_substructure(path: Path) -> dict[str, Any]:
-    """Stiffness and mass of a substructure."""
-    if not is_user_element(path):
-        raise ComponentError(
-            f"{path.name}: is no substructure, which would have K and M in one file; give stiffness and mass, each its "
-            "own"
-        )
-    return dict(read_user_element(path))
-
-
 def _matrices(paths: Mapping[str, Path]) -> dict[str, Any]:
     found = {}
     for name, path in paths.items():
@@ -101,8 +86,8 @@ def _matrices(paths: Mapping[str, Path]) -> dict[str, Any]:
 
 
 def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, entries or nodes
-    """What a file has of a name: Matrix Market, Harwell-Boeing, columns of numbers, or what goes with one program."""
-    if name == "coordinates" and path.suffix.lower() in DECKS:
+    """What a file has of a name: Matrix Market, columns of numbers, or what goes with one program."""
+    if name == "coordinates" and path.suffix.lower() == DECK:
         return read_deck(path)
     if name == "coordinates" and _has_grids(path):
         from .nastran_bulk import read_grids
@@ -110,17 +95,13 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
         return read_grids(path)
     if name == "dofs":
         return read_dofs(path)
-    if is_harwell_boeing(path):
-        return read_harwell_boeing(path)
     content = path.read_bytes()
     if content.startswith(_HEAD):
         with reading(path, "Matrix Market"):
             _refuse_other_size(content)
             # SciPy reads beyond the end of a file that is cut off within an exponent, but not beyond a line
             return sparse.coo_array(io.mmread(BytesIO(_in_plain_numbers(content) + b"\n")))
-    if name not in ("stiffness", "mass"):
-        return read_columns(path)
-    return _part_of_substructure(name, path) if is_user_element(path) else read_entries(path)
+    return read_entries(path) if name in ("stiffness", "mass") else read_columns(path)
 
 
 def _refuse_other_size(content: bytes) -> None:
@@ -148,13 +129,6 @@ def _in_plain_numbers(content: bytes) -> bytes:
             f"line {row} is {lines[row - 1].decode(errors='replace').strip()!r}, which is no numbers"
         )
     return b"\n".join([*lines[:first], numbers])
-
-
-def _part_of_substructure(name: str, path: Path) -> LabelledMatrix:
-    found = read_user_element(path)
-    if name not in found:
-        raise ComponentError(f"{path.name}: has no {name} (*MATRIX, TYPE={name.upper()})")
-    return found[name]
 
 
 def _has_grids(path: Path) -> bool:

@@ -21,7 +21,7 @@ from matplotlib.patches import Arc, Circle, FancyBboxPatch, Rectangle
 from numpy.typing import ArrayLike
 
 import orchestrator as fanfold
-from orchestrator.scene.bodies import body_definition, scene_points
+from orchestrator.scene.bodies import body_definition
 
 HERE = Path(__file__).parent
 PAGES = HERE.parent
@@ -118,7 +118,7 @@ def panel(folder: Path) -> Figure:
     """Plan and side view of the panel of the page on bodies, with the keys of its dimensions."""
     scene = scene_of("bodies.md", "drawn_panel.toml", folder)
     table = tomllib.loads(scene.read_text(encoding="utf-8"))["body"][0]["panel"]
-    points = scene_points(fanfold.load(scene).check_one_run())["panel1"]
+    points = fanfold.load(scene).check_one_run().points["panel1"]
     size = {key: _metres(table[key]) for key in ("length", "width")}
     arm = {key: _metres(table["arm"][key]) for key in ("y", "length", "patch")}
     figure, (plan, side) = _figure(7.2, 5.2, 2, rows=True, heights=(3.6, 1.0))

@@ -25,7 +25,6 @@ from ..assembly.statics.mechanism import Mechanism
 from ..records import short_repr
 from ..scene import CheckedScene, SceneError
 from ..scene.builder import Names
-from ..scene.locked_groups import joined
 from ..scene.units import degrees_text
 
 _LARGEST_STEP = pi / 36.0
@@ -231,7 +230,7 @@ def _turn(scene: CheckedScene, mechanism: Mechanism, name: str, angle: float) ->
 
 def _outboard(scene: CheckedScene, name: str) -> set[str]:
     """Bodies, or pieces of several, that a line carries."""
-    roots = joined(scene)
+    roots = scene.group_roots
     lines = [line for line in scene.hinge_lines if not line.held]
     found = {roots[line.outboard] for line in lines if line.name == name}
     while more := {roots[k.outboard] for k in lines if roots[k.inboard] in found} - found:

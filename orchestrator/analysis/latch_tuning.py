@@ -26,10 +26,8 @@ from ..assembly.statics.linear_model import LinearModel, linearise, normal_modes
 from ..assembly.statics.mechanism import Mechanism
 from ..records import short_repr
 from ..scene import CheckedScene, SceneError
-from ..scene.bodies import StartPose, base_model, body_model, scene_points, with_angles
+from ..scene.bodies import StartPose, body_model
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.locked_groups import held_bodies
-from ..scene.loops.initial_assembly import start_poses
 
 Kind = Literal["total", "structure"]
 
@@ -62,8 +60,7 @@ class Pair(NamedTuple):
 
 def pair(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
     """The pair of a line, its latch a spring of the given total stiffness (N.m/rad), or locked where that is None."""
-    points = scene_points(scene)
-    poses = start_poses(with_angles(scene, configuration(scene, "deployed").angles), points)
+    poses = scene.with_angles(configuration(scene, "deployed").angles).poses
     bodies = {
         name: _body_part(scene, name, line, side, flexible.get(name, False), poses[name])
         for name, side in ((line.inboard, "inboard"), (line.outboard, "outboard"))
@@ -97,7 +94,7 @@ def _body_part(
     """A body of the pair with a port at every hinge of the line."""
     seats = {hinge.name: getattr(hinge, side) for hinge in line.hinges}
     bodies = {body.name: body for body in scene.bodies}
-    data = body_model(bodies[name], flexible) if name in bodies else base_model(scene.base)
+    data = body_model(bodies[name], flexible) if name in bodies else scene.rigid_models.get(name)
     if data is None:
         ports = [{"name": hinge, "position": scene.base.points[point]} for hinge, point in seats.items()]
         return Part(name, "fixed_base", {"ports": ports}, {})
@@ -257,7 +254,7 @@ def tune(
 
 def _refuse_held(scene: CheckedScene, line: HingeLine) -> None:
     """A held piece turns as a whole; single bodies would give its inertia wrongly."""
-    held = held_bodies(scene)
+    held = scene.locked_bodies
     problems = [
         f"{scene.file}: hinge_line.{line.name}: {body} is part of a piece that held hinge lines join, and latch-tuning "
         "takes single bodies; leave these lines free for it (held = false)"

@@ -25,7 +25,6 @@ from ..scene import CheckedScene
 from ..scene.bodies import body_definition, body_model
 from ..scene.body_tables import Body
 from ..scene.builder import Scene
-from ..scene.locked_groups import held_bodies
 from .studies import LatchStudy, refuse_without_latches, run_case
 
 _LISTED = 8
@@ -103,7 +102,7 @@ def mode_study(
 
 def studied_body(scene: CheckedScene, name: str | None, rigid: Collection[str]) -> Body:
     """The named body, or the only one that is not rigid; held lines leave a body no modes."""
-    held = held_bodies(scene)
+    held = scene.locked_bodies
     bodies = {body.name: body for body in scene.bodies if body.can_bend and body.name not in held}
     left = [body for body in bodies if not {body, "all"} & set(rigid)]
     if name is None and len(left) == 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -14,27 +14,17 @@ from components.contract.frames import Vector3, add, rotate, rotation_matrix
 from components.flexible.modal import ModalData
 
 from ..assembly.assemble import assemble
-from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
 from ..assembly.second_order import second_order_modes
+from ..messages import message
 from ..records import short_repr
 from ..scene import CheckedScene
-from ..scene.bodies import (
-    Attachment,
-    StartPose,
-    attachments,
-    base_model,
-    body_definition,
-    body_model,
-    scene_points,
-    with_angles,
-)
+from ..scene.bodies import Attachment, StartPose, body_definition, body_model
 from ..scene.body_tables import Body, Fidelity
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.locked_groups import held_bodies
-from ..scene.loops.initial_assembly import Closed, extended, start_poses
+from ..scene.loops.initial_assembly import Closed
 from ..validity.before_run import warnings_before_run
 from ..validity.cable_loops import loop_travels
 
@@ -149,7 +139,7 @@ def check_scene(
     bends = {name: fidelity != "rigid" for name, fidelity in chosen.items()}
     # says what only an assembly can tell, such as that a body has not the modes asked for
     assembly = assemble(scene, rigid, flexible, large_deformation=large_deformation)
-    held = held_bodies(scene)
+    held = scene.locked_bodies
     models = {
         body.name: body_model(body, chosen[body.name] == "flexible" and body.name not in held)
         for body in scene.bodies
@@ -157,18 +147,15 @@ def check_scene(
     second = {
         part.name: second_order_modes(part) for part in assembly.parts if part.name in assembly.flexible
     }
-    base = base_model(scene.base)
-    if base is not None:
-        models = {scene.base.name: base, **models}
-    points = scene_points(scene)
-    deployed = {line.name: line.deployed_angle for line in scene.hinge_lines if not line.held}
-    far = extended(with_angles(scene, deployed), points)
+    if scene.base.free is not None:
+        models = {scene.base.name: scene.rigid_models[scene.base.name], **models}
+    far = scene.deployed.extended
     return SceneCheck(
         scene=scene.header.name,
         problems=(),
         warnings=(
             *warnings_before_run(scene, assembly, [name for name, one in bends.items() if one]),
-            *_out_of_reach(scene, far),
+            *_out_of_reach(scene, far, bends),
         ),
         bodies=tuple(_bodies(scene, models, chosen, held, second)),
         lines=tuple(_line(scene, line, bends) for line in scene.hinge_lines),
@@ -178,7 +165,7 @@ def check_scene(
             **{connection.name: connection.kind for connection in scene.connections},
         },
         agreements=_agreements(scene),
-        stowed=_sketch(scene, models, start_poses(scene, points)),
+        stowed=_sketch(scene, models, scene.poses),
         deployed=_sketch(scene, models, far.poses),
     )
 
@@ -193,18 +180,22 @@ def _agreements(scene: CheckedScene) -> dict[str, dict[str, str]]:
     }
 
 
-def _out_of_reach(scene: CheckedScene, far: Closed) -> list[str]:
-    """A sentence for where motions lead, if the joints that stay open there cannot follow.
+def _out_of_reach(scene: CheckedScene, far: Closed, bends: Mapping[str, bool]) -> Iterator[str]:
+    """A message about the joint that stays open farthest where motions lead, if its bodies are rigid.
 
     None where lines follow from others by loops, as where these lead them is not known.
     """
-    if not far.open_by or any(line.is_pivot and not line.held for line in scene.hinge_lines):
-        return []
-    name, size = max(far.open_by.items(), key=lambda item: item[1])
-    return [
-        f"connection.{name}: where all lines are deployed and motions are farthest from their start it stays open by "
-        f"{1e3 * size:.4g} mm (or mrad); check how far the laws of motions lead, and the lengths between points"
-    ]
+    if any(line.is_pivot and not line.held for line in scene.hinge_lines):
+        return
+    ports = {one.name: [seat.body for seat in one.ports.values()] for one in scene.connections}
+    rigid = [name for name in far.open_by if not any(bends.get(body, False) for body in ports[name])]
+    if name := max(rigid, key=lambda name: far.open_by[name], default=""):
+        yield message(
+            "W-motion-reach",
+            f"connection.{name}: where all lines are deployed and motions are farthest from their start it stays open "
+            f"by {1e3 * far.open_by[name]:.4g} mm (or mrad). Check how far the laws of motions lead, and the lengths "
+            "between points.",
+        )
 
 
 def _bodies(
@@ -216,7 +207,7 @@ def _bodies(
 ) -> list[BodyOverview]:
     bodies = {body.name: body for body in scene.bodies}
     rows = []
-    for name, points in scene_points(scene).items():
+    for name, points in scene.points.items():
         data = models.get(name)
         model = (
             ("moved" if scene.base.motion is not None else "fixed")
@@ -265,7 +256,7 @@ def _triple(v: NDArray[np.float64]) -> Vector3:
 
 def _line(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool]) -> LineOverview:
     setting = line_latch(scene, line, flexible, "mean")
-    inertia = None if line.latch is None else line.latch.effective_inertia or effective_inertia(scene, line)
+    inertia = None if line.latch is None else line.latch.effective_inertia or scene.effective_inertia(line)
     stiff = f", {setting.stiffness:.5g} N.m/rad" if setting.kind == "spring" else ""
     return LineOverview(
         line.name, line.inboard, line.outboard, tuple(hinge.name for hinge in line.hinges), line.held,
@@ -295,8 +286,7 @@ def _loop(scene: CheckedScene, loop: Ccl) -> LoopOverview:
 
 def _sketch(scene: CheckedScene, models: Mapping[str, ModalData], poses: Places) -> Sketch:
     """What stands where in these poses."""
-    points = scene_points(scene)
-    ports = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
+    points, ports = scene.points, scene.attachments
     sizes = [
         float(np.linalg.norm(np.ptp(data.display_positions, axis=0)))
         for data in models.values()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
@@ -16,8 +16,9 @@ from ..scene.builder import Names, listed
 from ..validity.centrifugal_stiffening import unstiffened_spins
 from ..validity.start import turned_from_the_world
 from .documents import ResultLike, opened
+from .options import Folder, Positive, Within
 from .progress import chosen
-from .quantities import Quantity, at_least, by_line, in_si
+from .quantities import Duration, Frequency, Length, Quantity, Tolerance, at_least, by_line, in_si
 from .simulate import SceneLike, as_scene
 from .warnings import warn
 
@@ -37,9 +38,10 @@ if TYPE_CHECKING:
     from ..analysis.torque_margin.restart import CaseRestart
     from ..analysis.torque_margin.standard import FactorKind
     from ..analysis.torque_margin.sweep import FrictionKind
+    from ..analysis.vibration import Direction
     from ..assembly.statics.configuration import Configuration, Named
+    from ..scene.freedoms import Constraints
     from ..scene.hinge_line_tables import HingeLine
-    from ..scene.loops.freedoms import Constraints
 
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
@@ -60,7 +62,7 @@ def constraints(scene: SceneLike) -> Constraints:
     Constraints
         number of constraints, rank, redundant constraints, free motions
     """
-    from ..scene.loops.freedoms import find_constraints
+    from ..scene.freedoms import find_constraints
 
     return find_constraints(as_scene(scene).check_one_run())
 
@@ -75,7 +77,7 @@ def modes(
     flexible: Names = (),
     as_posed: bool = False,
     base: Literal["as_built", "held"] = "as_built",
-    count: int = 15,
+    count: Positive = 15,
 ) -> Modes:
     """Natural frequencies, damping ratios and effective masses of a scene in a configuration.
 
@@ -89,15 +91,15 @@ def modes(
         angles of single lines in this configuration, rad or texts such as "45 deg"
     latched : str or sequence of str, optional
         latched lines, "all" or "none"; by default all if deployed, else none
-    rigid, flexible : str or sequence of str
-        names of bodies with this model, or "all"; by default the models of the scene
+    rigid, flexible
+        see `simulate`
     as_posed : bool
         linearise at the hinge angles themselves; by default at the static equilibrium near them
     base : {"as_built", "held"}
         "held" fixes a free spacecraft; as built, it moves with the wing and six rigid-body modes come first; if the
         motion law of the base starts with a rate, modes are those of the steady spin, in rotating axes
     count : int
-        modes in addition to the rigid-body modes; by default 15
+        number of modes in addition to the rigid-body modes
 
     Returns
     -------
@@ -117,25 +119,17 @@ def modes(
     from ..analysis.modes import find_modes
     from ..validity.default_joints import default_joint_warnings
 
-    checked = _for_small_motion(scene, rigid, spinning=True)
-    target = _configuration(checked, configuration, angles, latched)
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched, spinning=True)
+    checked = posed.scene
     if base not in ("as_built", "held"):
         raise SceneError([f"base is {base!r}; it must be as_built or held"])
     if spin_at_start(checked):
-        assembly = assemble(checked, listed(rigid), listed(flexible), large_deformation=None)
+        assembly = assemble(checked, posed.rigid, posed.flexible, large_deformation=None)
         for sentence in unstiffened_spins(checked, assembly, until=0.0):
             warn(message("W-spin", sentence))
-    found = find_modes(
-        checked,
-        listed(rigid),
-        listed(flexible),
-        target,
-        as_posed,
-        at_least(count, 1, "count"),
-        held=base == "held",
-    )
+    found = find_modes(*posed, as_posed, at_least(count, 1, "count"), held=base == "held")
     if as_posed:
-        _tell_of_posing(checked, rigid, flexible, target, found.unbalanced)
+        _tell_of_posing(posed, found.unbalanced)
     for sentence in default_joint_warnings(checked, found.model, found.shapes):
         warn(message("W-joint-stiffness", sentence))
     return found
@@ -152,7 +146,7 @@ def appendage(
     as_posed: bool = False,
     hold: Names = "none",
     points: Names = (),
-    count: int = 15,
+    count: Positive = 15,
 ) -> list[Appendage]:
     """Linear appendage model of a scene: cantilever modes and participation about points of the base.
 
@@ -165,7 +159,7 @@ def appendage(
     points : str or sequence of str
         points of the base; by default the reference point of a fixed base, the centre of mass of a free one
     count : int
-        cantilever modes; by default 15
+        number of cantilever modes
 
     Returns
     -------
@@ -174,20 +168,10 @@ def appendage(
     """
     from ..analysis.appendage.model import find_appendages
 
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    found = find_appendages(
-        checked,
-        listed(rigid),
-        listed(flexible),
-        target,
-        as_posed,
-        hold,
-        listed(points),
-        at_least(count, 1, "count"),
-    )
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    found = find_appendages(*posed, as_posed, hold, listed(points), at_least(count, 1, "count"))
     if as_posed:
-        _tell_of_posing(checked, rigid, flexible, target, found[0].unbalanced)
+        _tell_of_posing(posed, found[0].unbalanced)
     return found
 
 
@@ -200,12 +184,12 @@ def frequency_response(
     rigid: Names = (),
     flexible: Names = (),
     as_posed: bool = False,
-    excite: str = "z",
-    along: str | None = None,
+    excite: Direction = "z",
+    along: Direction | None = None,
     points: Names = ("interface",),
-    low: Quantity = 0.1,
-    high: Quantity = 100.0,
-    steps: int = 400,
+    low: Frequency = 0.1,
+    high: Frequency = 100.0,
+    steps: Annotated[int, Within(low=2, high=100_000)] = 400,
 ) -> FrequencyResponse:
     """Frequency response of a scene in a configuration to vibration of its base.
 
@@ -220,9 +204,9 @@ def frequency_response(
     points : str or sequence of str
         points BODY.POINT whose acceleration is computed; "interface" is the load on the base
     low, high : float or str
-        frequency range, Hz; by default 0.1 to 100
+        frequency range, in Hz
     steps : int
-        frequencies, in addition to those near resonances; by default 400
+        number of frequencies, in addition to those near resonances
 
     Returns
     -------
@@ -246,15 +230,15 @@ def frequency_response(
         raise SceneError(
             [f"low is {first:g} and high {last:g} Hz; give low, {ZERO_FREQUENCY:g} Hz at least, below high"]
         )
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    model = scene_model(*posed, as_posed)
     if as_posed:
-        _tell_of_posing(checked, rigid, flexible, target, model.unbalanced)
+        _tell_of_posing(posed, model.unbalanced)
     frequencies = frequency_grid(model, first, last, at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, listed(points), frequencies)
     free = not model.is_grounded
-    return FrequencyResponse(checked.header.name, target, free, excite, frequencies, tuple(found))
+    name = posed.scene.header.name
+    return FrequencyResponse(name, posed.configuration, free, excite, frequencies, tuple(found))
 
 
 def equilibrium(
@@ -287,10 +271,8 @@ def equilibrium(
     from ..analysis.equilibrium import equilibrium as find
     from ..analysis.equilibrium import lines_held
 
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    held = lines_held(checked, target, hold, ())
-    return find(checked, listed(rigid), listed(flexible), target, held, preload)[1]
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    return find(*posed, lines_held(posed.scene, posed.configuration, hold, ()), preload)[1]
 
 
 def quasi_static(
@@ -303,7 +285,7 @@ def quasi_static(
     rigid: Names = (),
     flexible: Names = (),
     hold: Names | None = None,
-    steps: int = 12,
+    steps: Annotated[int, Within(low=1, high=10_000)] = 12,
 ) -> list[Equilibrium]:
     """Static equilibria over a sweep of hinge angles; other lines follow, or are held.
 
@@ -316,7 +298,7 @@ def quasi_static(
     hold : str or sequence of str, optional
         held lines, "all" or "none"; by default none
     steps : int
-        steps of the sweep; by default 12
+        number of steps of the sweep
 
     Returns
     -------
@@ -339,21 +321,19 @@ def quasi_static(
     for way in ways:
         if way.start == way.end:
             raise SceneError([f"the sweep of {way.line} begins and ends at the same angle"])
-    checked = _for_small_motion(scene, rigid)
-    target = _configuration(checked, configuration, angles, latched)
-    held = lines_held(checked, target, hold, ways)
-    count = at_least(steps, 1, "steps")
-    return find(checked, listed(rigid), listed(flexible), target, held, ways, count)
+    posed = _posed(scene, rigid, flexible, configuration, angles, latched)
+    held = lines_held(posed.scene, posed.configuration, hold, ways)
+    return find(*posed, held, ways, at_least(steps, 1, "steps"))
 
 
 def torque_margin(
     scene: SceneLike,
     *,
-    cases: Sequence[str] = (),
+    cases: Names = (),
     factors: FactorKind = "theoretical",
     friction: FrictionKind = "sliding",
     torques: Mapping[str, Mapping[str, Quantity]] | None = None,
-    positions: int = 19,
+    positions: Annotated[int, Within(low=2, high=10_000)] = 19,
 ) -> TorqueMargin:
     """Torque margin of every driven hinge line over its travel, limit 2; bodies are rigid.
 
@@ -368,11 +348,12 @@ def torque_margin(
     factors : {"theoretical", "measured"}
         uncertainty factors of ECSS-E-ST-33-01C, table 4-2
     friction : {"constant", "sliding", "static"}
-        "constant" is the preload torque alone; "sliding" and "static" add friction due to joint reactions
+        friction torques: "constant" is the preload torque alone; "sliding" and "static" add friction due to joint
+        reactions
     torques : mapping, optional
         additional torques, N.m, by line and ECSS symbol, such as ``{"HL2": {"HY": 0.02}}``
     positions : int
-        positions over the travel, including its ends; by default 19
+        number of positions over the travel, including its ends
 
     Returns
     -------
@@ -412,11 +393,11 @@ def torque_margin(
 
 def restart(
     scene: SceneLike,
-    positions: Sequence[str],
+    positions: Names,
     *,
-    cases: Sequence[str] = (),
-    until: Quantity | None = None,
-    folder: str | Path | None = None,
+    cases: Names = (),
+    until: Duration | None = None,
+    folder: Folder | None = None,
     progress: bool | Progress | None = None,
 ) -> list[CaseRestart]:
     """Simulate a scene from rest at positions of its travel, and report whether every line opens.
@@ -429,12 +410,10 @@ def restart(
         shares of the travel or angles of the first line with a motor, such as ``("25%", "45 deg")``
     cases : sequence of str
         see `torque_margin`
-    until : float or str, optional
-        end time, s; by default that of the scene
     folder : str or Path, optional
         folder of the results; by default they are not kept
-    progress : bool or callable, optional
-        progress bar; by default only in notebooks
+    until, progress
+        see `simulate`
 
     Returns
     -------
@@ -454,9 +433,9 @@ def latch_tuning(
     scene: SceneLike,
     line: str,
     *,
-    frequency: Quantity | None = None,
+    frequency: Annotated[Quantity, Within("Hz", 0.0, above=True)] | None = None,
     stiffness_of: Kind | None = None,
-    hinge_stiffness: Quantity | None = None,
+    hinge_stiffness: Annotated[Quantity, Within("N.m/rad", 0.0, above=True)] | None = None,
     rigid: Names = (),
     flexible: Names = (),
 ) -> Tuning:
@@ -469,11 +448,11 @@ def latch_tuning(
     line : str
         hinge line between the bodies
     frequency : float or str, optional
-        target frequency, Hz; by default that of the flexible pair
+        target frequency, in Hz; by default that of the flexible pair
     stiffness_of : {"total", "structure"}, optional
         stiffness that the frequency belongs to; by default "total" if `frequency` is set, else "structure"
     hinge_stiffness : float or str, optional
-        measured stiffness of all hinges of the line together, N.m/rad
+        measured stiffness of all hinges of the line together, N.m/rad or a text such as "51.3 N.m/deg"
     rigid, flexible : str or sequence of str
         see `modes`
 
@@ -501,7 +480,7 @@ def wing_latch_tuning(
     scene: SceneLike,
     line: str,
     *,
-    frequency: Quantity | None = None,
+    frequency: Annotated[Quantity, Within("Hz", 0.0, above=True)] | None = None,
     rigid: Names = (),
     flexible: Names = (),
 ) -> WingTuning:
@@ -514,7 +493,7 @@ def wing_latch_tuning(
     line : str
         hinge line with the latch
     frequency : float or str, optional
-        target frequency, Hz; by default the lowest mode of the flexible wing in the direction of the rigid mode
+        target frequency, in Hz; by default the lowest mode of the flexible wing in the direction of the rigid mode
     rigid, flexible : str or sequence of str
         see `modes`
 
@@ -548,11 +527,11 @@ def mode_study(
     scene: SceneLike,
     body: str | None = None,
     *,
-    counts: Sequence[int] = (2, 3, 4, 5, 10, 20, 30),
+    counts: Annotated[Sequence[int], Within(low=0)] = (2, 3, 4, 5, 10, 20, 30),
     rigid: Names = (),
     flexible: Names = (),
-    tolerance: float | None = None,
-    folder: str | Path | None = None,
+    tolerance: Tolerance | None = None,
+    folder: Folder | None = None,
     progress: bool | Progress | None = None,
 ) -> ModeStudy:
     """Convergence of the latch-up with the number of fixed-interface modes of a body.
@@ -566,13 +545,11 @@ def mode_study(
     body : str, optional
         body whose number of modes varies; required if several bodies are flexible
     counts : sequence of int
-        numbers of modes
-    rigid, flexible, tolerance
+        numbers of fixed-interface modes; the largest is the reference
+    rigid, flexible, tolerance, progress
         see `simulate`
     folder : str or Path, optional
         folder of the results; by default they stay in memory
-    progress : bool or callable, optional
-        progress bar; by default only in notebooks
 
     Returns
     -------
@@ -588,11 +565,11 @@ def mode_study(
 def step_study(
     scene: SceneLike,
     *,
-    steps: Sequence[float] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
+    steps: Annotated[Sequence[float], Within("s")] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
     rigid: Names = (),
     flexible: Names = (),
-    tolerance: float | None = None,
-    folder: str | Path | None = None,
+    tolerance: Tolerance | None = None,
+    folder: Folder | None = None,
     progress: bool | Progress | None = None,
 ) -> LatchStudy:
     """Convergence of the latch-up with the constant communication step size; the smallest step is the reference.
@@ -602,13 +579,11 @@ def step_study(
     scene : str, Path or Scene
         scene, or its name or file
     steps : sequence of float
-        step sizes, s
-    rigid, flexible, tolerance
+        constant communication step sizes, in seconds; the smallest is the reference
+    rigid, flexible, tolerance, progress
         see `simulate`
     folder : str or Path, optional
         folder of the results; by default they stay in memory
-    progress : bool or callable, optional
-        progress bar; by default only in notebooks
 
     Returns
     -------
@@ -625,12 +600,12 @@ def stress(
     result: ResultLike,
     body: str,
     *,
-    count: int = 10,
-    radius: Quantity = 0.05,
+    count: Positive = 10,
+    radius: Length = 0.05,
     nodes: Sequence[int] | None = None,
     within: tuple[float, float, float, float] | None = None,
     around: tuple[float, float, float] | None = None,
-    insert_margin: Quantity = 0.0,
+    insert_margin: Length = 0.0,
 ) -> PanelStress:
     """Von Mises stresses in the face sheets of a flexible panel: hot spots and peak field.
 
@@ -641,17 +616,17 @@ def stress(
     body : str
         panel
     count : int
-        hot spots; by default 10
+        number of hot spots
     radius : float or str
-        smallest distance between two hot spots, m; by default 0.05
+        smallest distance between two hot spots, in m
     nodes : sequence of int, optional
         only these nodes of the mesh
     within : tuple of float, optional
-        only nodes in the rectangle x0, x1, y0, y1 of the body frame, m
+        only nodes in the rectangle x0, x1, y0, y1 of the body frame, in m
     around : tuple of float, optional
-        only nodes in the circle x, y, radius of the body frame, m
+        only nodes in the circle x, y, radius of the body frame, in m
     insert_margin : float or str
-        smallest distance of nodes to rigid inserts, m, whose corners are singular; by default 0
+        smallest distance of nodes to rigid inserts, in m, whose corners are singular
 
     Returns
     -------
@@ -709,43 +684,52 @@ def impacts(result: ResultLike) -> list[Impact]:
     return find(opened(result))
 
 
-def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
-    """The checked scene; a FanfoldWarning for each omission of the analysis, and for a base that starts rotated.
+class _Posed(NamedTuple):
+    """A checked scene, its models of bodies and its configuration: what analyses of small motion begin with."""
+
+    scene: CheckedScene
+    rigid: tuple[str, ...]
+    flexible: tuple[str, ...]
+    configuration: Configuration
+
+
+def _posed(
+    scene: SceneLike,
+    rigid: Names,
+    flexible: Names,
+    named: Named,
+    angles: Angles | None,
+    latched: Names | None,
+    *,
+    spinning: bool = False,
+) -> _Posed:
+    """A scene in a configuration; a FanfoldWarning for each omission of the analysis, and for a base rotated at start.
 
     spinning: the analysis linearises about the steady spin of a base.
     """
-    from ..validity.small_motion import left_out
-
-    checked = as_scene(scene).check_one_run()
-    for sentence in coded("W-base-turned", turned_from_the_world(checked)):
-        warn(sentence)
-    for sentence in coded("W-modes-omitted", left_out(checked, listed(rigid), spinning)):
-        warn(sentence)
-    return checked
-
-
-def _tell_of_posing(
-    scene: CheckedScene, rigid: Names, flexible: Names, target: Configuration, unbalanced: tuple[float, float]
-) -> None:
-    """Warn if frequencies as posed, with this unbalanced load, differ from those in equilibrium."""
-    from ..analysis.modes import posing_sentence
-
-    if sentence := posing_sentence(scene, listed(rigid), listed(flexible), target, unbalanced):
-        warn(message("W-modes-omitted", sentence))
-
-
-def _configuration(
-    scene: CheckedScene, named: Named, angles: Angles | None, latched: Names | None
-) -> Configuration:
     from ..assembly.statics.configuration import configuration
+    from ..validity.small_motion import left_out
 
     if named not in ("stowed", "deployed", "current"):
         raise SceneError(
             [f"there is no configuration {named!r}; configurations are stowed, deployed and current"]
         )
+    checked = as_scene(scene).check_one_run()
+    for sentence in coded("W-base-turned", turned_from_the_world(checked)):
+        warn(sentence)
+    for sentence in coded("W-modes-omitted", left_out(checked, listed(rigid), spinning)):
+        warn(sentence)
     given = by_line(angles or {}, "angles", '{"HL1": "45 deg"}')
     turned = {line: _angle(line, angle) for line, angle in given.items()}
-    return configuration(scene, named, turned, latched)
+    return _Posed(checked, listed(rigid), listed(flexible), configuration(checked, named, turned, latched))
+
+
+def _tell_of_posing(posed: _Posed, unbalanced: tuple[float, float]) -> None:
+    """Warn if frequencies as posed, with this unbalanced load, differ from those in equilibrium."""
+    from ..analysis.modes import posing_sentence
+
+    if sentence := posing_sentence(*posed, unbalanced):
+        warn(message("W-modes-omitted", sentence))
 
 
 def _angle(line: str, angle: Quantity) -> float:

@@ -28,7 +28,7 @@ def cache(clear: bool = False) -> Cache:
     Parameters
     ----------
     clear : bool
-        remove all files of the cache
+        remove all files of the cache; the next runs compute them again
 
     Returns
     -------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Annotated
 
 from ..messages import message
 from ..results import compare as comparing
@@ -12,6 +13,7 @@ from ..results.compare import Comparison
 from ..results.differences import scene_note
 from ..results.result import Result as Record
 from ..results.result import ResultError, reason
+from .options import OutputFile, Within
 from .result import Result
 from .warnings import warn
 
@@ -60,9 +62,9 @@ def plot_comparison(a: ResultLike, b: ResultLike, folder: str | Path) -> list[Pa
 
 def report(
     result: ResultLike,
-    path: str | Path | None = None,
+    path: OutputFile | None = None,
     other: ResultLike | Sequence[ResultLike] | None = None,
-    frames: int = 6,
+    frames: Annotated[int, Within(low=0, high=300)] = 6,
 ) -> Path:
     """Write a report of a result as one self-contained HTML file.
 
@@ -75,7 +77,7 @@ def report(
     other : result or sequence of results, optional
         results to compare with; the first one is also drawn in the 3-D view and in the interactive plots
     frames : int
-        still pictures for browsers without WebGL2; by default 6
+        number of still pictures for browsers without WebGL2
 
     Returns
     -------

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import get_args
+from typing import Annotated, get_args
 
 from fmus import PLATFORMS, Backend, Experiment, FmiVersion
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
+from ..assembly.statics.start import started_at_rest
 from ..messages import message
 from ..run import run
 from ..run.as_one.export import export_as_one
 from ..run.body_export import ExportedBody
 from ..run.body_export import export_body as _export_body
-from ..run.preload import started_at_rest
 from ..run.simulation import missing_backend
 from ..run.system_structure import check_ssp, write_ssp
 from ..scene.builder import Names, listed
 from ..scene.component_connections import WrenchMode
 from ..scene.layers import files_besides
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
+from .options import Folder, OutputFile, Within
 from .simulate import SceneLike, as_scene
 from .warnings import warn
 
@@ -32,7 +33,7 @@ _MANY_STEPS = 1e7
 
 def export(
     scene: SceneLike,
-    folder: str | Path,
+    folder: Folder,
     *,
     rigid: Names = (),
     flexible: Names = (),
@@ -41,7 +42,7 @@ def export(
     fmi: FmiVersion = "2.0",
     sources: bool = False,
     backend: Backend | None = None,
-    ssp: str | Path | None = None,
+    ssp: OutputFile | None = None,
     platforms: Names = (),
     as_one: bool = False,
     driven_base: bool = False,
@@ -59,8 +60,8 @@ def export(
         scene, or its name or file
     folder : str or Path
         folder of the FMUs
-    rigid, flexible, large_deformation : str or sequence of str
-        names of bodies with this model, or "all"; by default the models of the scene
+    rigid, flexible, large_deformation
+        see `simulate`
     wrench_mode : {"endpoint", "mean"}, optional
         "endpoint" (default) for other tools, "mean" for the implicit master
     fmi : {"2.0", "3.0"}
@@ -68,15 +69,16 @@ def export(
     sources : bool
         add the C sources, for compilation on other platforms
     backend : {"native", "python"}, optional
-        implementation of the FMUs; by default native if compiled
+        see `simulate`
     ssp : str or Path, optional
         also write an SSP 1.0 file with all FMUs and their connections; needs FMI 2.0, "endpoint" and pyssp_standard
     platforms : str or sequence of str
-        platforms (`fmus.PLATFORMS`) or "all", cross-compiled with Zig; by default this machine
+        platforms of the libraries, cross-compiled with Zig: linux64, aarch64-linux, win64, darwin64, aarch64-darwin,
+        wasm32, or all; by default this machine
     as_one : bool
         one FMU of the whole scene, events included, which controls its step size by the scene's tolerance
     driven_base : bool
-        with `as_one`: the fixed base moves by inputs, rates and accelerations in world axes, interpolated smoothly
+        with `as_one`: the fixed base moves by inputs, its pose, rates and accelerations, interpolated smoothly
     watch : callable, optional
         called with the name of each platform before its library is compiled, which takes up to half a minute
 
@@ -115,8 +117,7 @@ def export(
         experiment = Experiment(assembly.until, assembly.largest_step, assembly.tolerance)
         paths = [export_as_one(assembly, Path(folder), experiment, driven_base, fmi, sources, wanted, watch)]
     else:
-        if assembly.preload:
-            assembly = _at_rest(assembly, assembled("mean"))
+        assembly = started_at_rest(assembly)
         step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
         experiment = Experiment(assembly.until, step)
         paths = run.export(
@@ -165,20 +166,6 @@ def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:
     check_ssp(path)
 
 
-def _at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
-    """The assembly in the static equilibrium of the coupled one."""
-    if assembly.large_deformation:
-        names = ", ".join(assembly.large_deformation)
-        warn(
-            message(
-                "W-export",
-                f"{assembly.name}: large-deformation beams start without load, although preload bends them: "
-                f"{names}. Export them as modal bodies to start in equilibrium.",
-            )
-        )
-    return started_at_rest(assembly, coupled)
-
-
 def _tell_of_locks(assembly: Assembly) -> None:
     """Warn about kinematic latches, whose impulses are in no interface load."""
     if names := ", ".join(line.name for line in assembly.hinge_lines if line.kinematic):
@@ -212,7 +199,9 @@ def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
         )
 
 
-def export_body(scene: SceneLike, body: str, path: str | Path, *, modes: int | None = None) -> ExportedBody:
+def export_body(
+    scene: SceneLike, body: str, path: OutputFile, *, modes: Annotated[int, Within(low=0)] | None = None
+) -> ExportedBody:
     """Export a body of a scene as a Craig-Bampton model in SI units.
 
     Attachment coordinates come first, in the order of the attachment points, then fixed-interface modes. Damping is not

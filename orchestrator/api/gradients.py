@@ -9,7 +9,7 @@ from ..analysis.sampling.gradients import gradients as _gradients
 from ..run.progress import Progress, followed
 from ..scene.builder import Names
 from .progress import chosen
-from .quantities import Quantity
+from .quantities import Duration, Tolerance
 from .simulate import SceneLike, as_scene, options_of
 
 
@@ -17,18 +17,17 @@ def gradients(
     scene: SceneLike,
     keys: str | Sequence[str],
     *,
-    central: bool = False,
     verify: bool = True,
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
-    until: Quantity | None = None,
-    tolerance: float | None = None,
+    until: Duration | None = None,
+    tolerance: Tolerance | None = None,
     progress: bool | Progress | None = None,
 ) -> Gradients:
     """Derivatives of all headline numbers with respect to keys of a scene, through latch-ups and other events.
 
-    Neighbouring runs with slightly different values use the same steps as the nominal run.
+    The run is replayed on the same steps with slightly different values, one run a key.
 
     Parameters
     ----------
@@ -37,11 +36,10 @@ def gradients(
     keys : str or sequence of str
         such as ``["hinge_line.HL1.motor.stowed", "friction.coefficient"]``; a key that ends in ``*`` is a factor; keys
         separated by commas change together
-    central : bool
-        central differences, for twice the cost
     verify : bool
-        `errors` include step-size errors, from a second run at a tenth of the tolerance, for twice the cost; without it
-        loads may be wrong, even in sign
+        repeat all at a tenth of the tolerance, for two to three times the cost: derivatives are those of the smaller
+        tolerance, and `errors` their differences from the others; without it errors are unknown, and loads may be
+        wrong, even in sign
     rigid, flexible, large_deformation, until, tolerance, progress
         see `simulate`
 
@@ -57,9 +55,9 @@ def gradients(
     FanfoldError
         for integer keys, and if a small change makes another event happen
     """
-    options = options_of(rigid, flexible, large_deformation, until, tolerance)
+    options = options_of(locals())
     loaded = as_scene(scene)
     end = options.until or loaded.check().header.until
     wanted = [keys] if isinstance(keys, str) else list(keys)
     with followed(chosen(progress), loaded.name, end) as watch:
-        return _gradients(loaded, options, wanted, central=central, verify=verify, watch=watch)
+        return _gradients(loaded, options, wanted, verify=verify, watch=watch)

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from operator import index
-from typing import TypeVar, overload
+from typing import Annotated, TypeVar, overload
 
+from ..assembly.statics import ZERO_FREQUENCY
+from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from ..scene.table import SceneError
 from ..scene.units import Sign, written
+from .options import Within
 
 T = TypeVar("T")
 Quantity = float | str
 """A number in SI units, or a text with its unit such as "90 deg"."""
+Tolerance = Annotated[float, Within("1", *TOLERANCES)]
+Duration = Annotated[Quantity, Within("s", 0.0, above=True)]
+StepSize = Annotated[Quantity, Within("s", SMALLEST_STEP)]
+Frequency = Annotated[Quantity, Within("Hz", ZERO_FREQUENCY, 1e6)]
+"""Below it the round-off of stiff joints would be stiffer than what moves."""
+Length = Annotated[Quantity, Within("m", 0.0)]
 
 
 @overload

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Self
 
 from ..messages import is_note
 from ..results import key_figures
-from ..results.estimated_errors import ESTIMATED_ERRORS
 from ..results.key_figures import Headline
 from ..results.parts import Scalar
 from ..results.result import Result as Record
@@ -22,6 +21,7 @@ from ..run.run import RunError
 from ..run.simulation import Simulation
 from ..run.verify import Verified
 from ..scene.builder import Names, listed
+from ..validity.travel import messages
 from .progress import chosen, in_notebook
 from .quantities import Quantity, in_si
 
@@ -94,7 +94,7 @@ class Result(Record):
     @cached_property
     def headline(self) -> Headline:
         """Headline numbers: latch times, peaks, energies, with estimated errors."""
-        return key_figures.headline(self)
+        return key_figures.headline(self) if self.simulation is None else self.simulation.outcome.headline
 
     @property
     def latch_times(self) -> dict[str, float]:
@@ -104,7 +104,7 @@ class Result(Record):
     @property
     def costs(self) -> dict[str, Scalar]:
         """Steps, iterations, wall time (s) and further costs of the run, by the names of `statistics`."""
-        return {name: value for name, value in self.statistics.items() if name != ESTIMATED_ERRORS}
+        return dict(self.statistics)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -118,9 +118,7 @@ class Result(Record):
 
     @property
     def _messages(self) -> tuple[str, ...]:
-        return tuple(
-            dict.fromkeys((*self.stored_messages, *self.headline.open_ends(), *self.headline.messages))
-        )
+        return messages(self, self.headline)
 
     def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
         """Repeat the run with steps halved and quartered: extrapolated value, error and order of every headline number.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from h5py import is_hdf5
 
@@ -22,8 +22,9 @@ from ..scene import list_scenes
 from ..scene.builder import Names, Scene, listed
 from ..scene.layers import Setting
 from ..scene.table import SceneError
+from .options import OutputFile
 from .progress import chosen
-from .quantities import Quantity, in_si
+from .quantities import Duration, StepSize, Tolerance, in_si
 from .result import Result
 from .warnings import warn
 
@@ -105,49 +106,19 @@ def as_scene(
     return Scene.load(scene, variant, settings, trust)
 
 
-def options_of(
-    rigid: Names, flexible: Names, large_deformation: Names, until: Quantity | None, tolerance: float | None
-) -> Options:
-    """Options that all runs share; see `simulate`."""
-    return Options(
-        rigid=frozenset(listed(rigid)),
-        flexible=frozenset(listed(flexible)),
-        large_deformation=frozenset(listed(large_deformation)),
-        until=in_si(until, "s", "until"),
-        tolerance=in_si(tolerance, "1", "tolerance"),
-    )
-
-
-def run_options(
-    *,
-    rigid: Names = (),
-    flexible: Names = (),
-    large_deformation: Names = (),
-    until: Quantity | None = None,
-    tolerance: float | None = None,
-    step: Quantity | None = None,
-    order: Order | None = None,
-    master: MasterKind = "implicit",
-    backend: Backend | None = None,
-    checkpoint: Quantity | None = None,
-    isolate: bool = False,
-    refine: bool = True,
-    record: Quantity = "all",
-    signals: Names = (),
-) -> Options:
-    """Options of one run; see `simulate`."""
-    return replace(
-        options_of(rigid, flexible, large_deformation, until, tolerance),
-        step=in_si(step, "s", "step"),
-        order=order,
-        master=master,
-        backend=backend,
-        checkpoint=in_si(checkpoint, "s", "checkpoint"),
-        refine=refine,
-        isolate=isolate,
-        record=None if record == "all" else in_si(record, "s", "record"),
-        signals=listed(signals),
-    )
+def options_of(arguments: Mapping[str, Any]) -> Options:
+    """Options of a run among the arguments of a function, by name; see `simulate`."""
+    found = {one.name: arguments[one.name] for one in fields(Options) if one.name in arguments}
+    for name in {"rigid", "flexible", "large_deformation", "signals"} & {*found}:
+        found[name] = frozenset(listed(found[name]))
+    if found.get("record") == "all":
+        found["record"] = None
+    for name, unit in (
+        ("tolerance", "1"),
+        *((name, "s") for name in ("until", "step", "checkpoint", "record")),
+    ):
+        found[name] = in_si(found.get(name), unit, name)
+    return Options(**found)
 
 
 def simulate(
@@ -156,18 +127,18 @@ def simulate(
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
-    until: Quantity | None = None,
-    tolerance: float | None = None,
-    step: Quantity | None = None,
+    until: Duration | None = None,
+    tolerance: Tolerance | None = None,
+    step: StepSize | None = None,
     order: Order | None = None,
     master: MasterKind = "implicit",
     backend: Backend | None = None,
-    save: str | Path | None = None,
-    checkpoint: Quantity | None = None,
+    save: OutputFile | None = None,
+    checkpoint: Duration | None = None,
     isolate: bool = False,
     estimate: bool = True,
     refine: bool = True,
-    record: Quantity = "all",
+    record: Duration | Literal["all"] = "all",
     signals: Names = (),
     replace: bool = True,
     progress: bool | Progress | None = None,
@@ -181,32 +152,37 @@ def simulate(
     ----------
     scene : str, Path or Scene
         scene, or its name or file
-    rigid, flexible, large_deformation : str or sequence of str
-        names of bodies with this model, or "all"; by default the models of the scene
+    rigid : str or sequence of str
+        names of bodies to model as rigid, or all; by default the models of the scene
+    flexible : str or sequence of str
+        names of bodies to model as modal, or all
+    large_deformation : str or sequence of str
+        names of bodies to model as geometrically exact beams, or all
     until : float or str, optional
-        end time, s; by default that of the scene
+        end time, in seconds; by default that of the scene
     tolerance : float, optional
         relative accuracy; by default that of the scene
     step : float or str, optional
-        constant communication step size, s; by default the master controls the step size
+        constant communication step size, in seconds; by default the master controls the step size
     order : {2, 4}, optional
-        order of the coupling; by default 4
+        order of the coupling: wrenches constant (2) or linear (4) in time over a step; by default 4
     master : {"implicit", "jacobi", "gauss-seidel"}
-        "jacobi" and "gauss-seidel" are explicit and need `step`
+        scheme of the coupling; "jacobi" and "gauss-seidel" are explicit and need `step`
     backend : {"native", "python"}, optional
         implementation of the FMUs; by default native if compiled
     save : str or Path, optional
         result file (HDF5); by default the result is kept in memory
     checkpoint : float or str, optional
-        simulated time between checkpoints, s, which `resume` continues from; checkpoints change the last digits
+        simulated time between checkpoints, in seconds, from which `resume` continues; checkpoints change the last
+        digits
     isolate : bool
-        run every FMU in its own process
+        run every FMU in its own process, so that a crash names it
     estimate : bool
         estimate the errors of headline numbers, for half the cost of the run
     refine : bool
-        repeat the run with a smaller tolerance if estimated errors exceed the tolerance
+        repeat the run with a smaller tolerance if it is likely to miss ten tolerances
     record : float or str
-        rows of the result: "all", or time between rows, s; rows of events and peaks are always kept
+        rows of the result: "all", or time between rows, in seconds; rows of events and peaks are always kept
     signals : str or sequence of str
         signals of the result, by patterns of COMPONENT or COMPONENT.VARIABLE such as "hl1_*"; signals of headline
         numbers are always kept; by default all
@@ -234,23 +210,8 @@ def simulate(
     >>> result = fanfold.simulate("amos3", rigid="all", save="amos3.h5")
     >>> result.latch_times
     """
+    options = options_of(locals())
     checked = as_scene(scene).check_one_run()
-    options = run_options(
-        rigid=rigid,
-        flexible=flexible,
-        large_deformation=large_deformation,
-        until=until,
-        tolerance=tolerance,
-        step=step,
-        order=order,
-        master=master,
-        backend=backend,
-        checkpoint=checkpoint,
-        isolate=isolate,
-        refine=refine,
-        record=record,
-        signals=signals,
-    )
     path = None if save is None else Path(save)
     if path is not None and not replace:
         refuse_to_lose(path, checked, options, estimate)
@@ -329,8 +290,8 @@ def check_scene(
         scene, or its name or file
     variant, settings, trust
         see `load`
-    rigid, flexible, large_deformation : str or sequence of str
-        names of bodies with this model, or "all"; by default the models of the scene
+    rigid, flexible, large_deformation
+        see `simulate`
 
     Returns
     -------

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import fields
+from dataclasses import replace as changed
 from pathlib import Path
-from typing import Self
+from typing import Annotated, Self
 
 from ..analysis.sampling.carry_out import StudyProgress, Watch, begin, go_on
 from ..analysis.sampling.influence import Influence, influence
 from ..analysis.sampling.journal import journal_file
-from ..analysis.sampling.plan import Plan
+from ..analysis.sampling.plan import Method, Plan
 from ..analysis.sampling.sample import Task
 from ..analysis.sampling.study import Study as Record
 from ..analysis.sampling.targets import signals_of
@@ -19,7 +20,8 @@ from ..analysis.sampling.varied import varied
 from ..messages import message
 from ..results.signal import matches
 from ..scene.builder import Names, listed
-from .quantities import Quantity
+from .options import OutputFile, Positive, Within
+from .quantities import Duration, Tolerance
 from .simulate import SceneLike, as_scene, options_of
 from .warnings import warn
 
@@ -57,21 +59,21 @@ def study(
     scene: SceneLike,
     vary: Mapping[str, str] | Sequence[str],
     *,
-    method: str = "latin-hypercube",
-    runs: int = 100,
-    levels: int = 5,
-    seed: int = 0,
-    workers: int = 1,
+    method: Method = "latin-hypercube",
+    runs: Positive = 100,
+    levels: Annotated[int, Within(low=2)] = 5,
+    seed: Annotated[int, Within(low=0)] = 0,
+    workers: Positive = 1,
     cluster: str | None = None,
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
-    until: Quantity | None = None,
-    tolerance: float | None = None,
+    until: Duration | None = None,
+    tolerance: Tolerance | None = None,
     estimate: bool = False,
     signals: Names = (),
-    points: int = 201,
-    save: str | Path | None = None,
+    points: Annotated[int, Within(low=2)] = 201,
+    save: OutputFile | None = None,
     replace: bool = True,
     progress: StudyProgress | None = None,
 ) -> Study:
@@ -85,17 +87,16 @@ def study(
         distributions by key, such as ``{"friction.coefficient": "uniform(0.05, 0.2)"}``: uniform, normal,
         truncated_normal, lognormal (mean, coefficient of variation), triangular or values; a key that ends in ``*`` is
         a factor; keys separated by commas get the same value
-    method : str
-        "latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time" or "corners"; the last two use
-        bounds, or three standard deviations
+    method : {"latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time", "corners"}
+        design of the samples; "one-at-a-time" and "corners" use bounds, or three standard deviations
     runs : int
-        samples of random methods; by default 100
+        samples of random methods
     levels : int
-        levels of a grid; by default 5
+        levels of each key of a grid
     seed : int
         seed of random methods; samples are the same on every machine
     workers : int
-        processes; by default 1
+        number of processes
     cluster : str, optional
         address of a Dask scheduler, instead of `workers`
     rigid, flexible, large_deformation, until, tolerance
@@ -103,9 +104,9 @@ def study(
     estimate : bool
         estimate the errors of headline numbers in every run
     signals : str or sequence of str
-        signals to keep, by patterns of COMPONENT.VARIABLE; a FanfoldWarning lists patterns without a match
+        signals to keep, by patterns of COMPONENT.VARIABLE; a warning lists patterns without a match
     points : int
-        equally spaced times of these signals; by default 201
+        equally spaced times of these signals
     save : str or Path, optional
         file of the study (HDF5), next to a table (.csv); `resume_study` continues an interrupted study
     replace : bool
@@ -128,9 +129,9 @@ def study(
     >>> found = fanfold.study("amos3", {"friction.coefficient": "uniform(0.05, 0.2)"}, rigid="all", runs=50)
     >>> found.quantiles("latch_time.HL1")
     """
+    options = changed(options_of(locals()), signals=())  # which the task samples
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
-    options = options_of(rigid, flexible, large_deformation, until, tolerance)
     task = Task(as_scene(scene), options, estimate, listed(signals), points)
     _tell_of_unknown_signals(task)
     path = None if save is None else Path(save)
@@ -165,7 +166,7 @@ def _tell_of_unknown_signals(task: Task) -> None:
 def resume_study(
     path: str | Path,
     *,
-    workers: int = 1,
+    workers: Positive = 1,
     cluster: str | None = None,
     trust: bool = False,
     progress: StudyProgress | None = None,

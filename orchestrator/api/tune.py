@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Annotated
 
 from ..analysis.sampling.sample import Task
 from ..analysis.sampling.targets import Target, curves, target
@@ -11,7 +12,8 @@ from ..analysis.sampling.tuning import Tuned
 from ..analysis.sampling.tuning import tune as _tune
 from ..analysis.sampling.varied import varied
 from ..scene.builder import Names
-from .quantities import Quantity
+from .options import InputFile, Positive, Within
+from .quantities import Duration, Tolerance
 from .simulate import SceneLike, as_scene, options_of
 
 
@@ -20,20 +22,20 @@ def tune(
     vary: Mapping[str, str] | Sequence[str],
     targets: Mapping[str, float | str] | Sequence[str] = (),
     *,
-    curve: str | Path | None = None,
-    accuracy: float = 1e-4,
-    most_runs: int = 100,
-    workers: int = 1,
+    curve: InputFile | None = None,
+    accuracy: Annotated[float, Within("1", 1e-9, 0.1)] = 1e-4,
+    most_runs: Annotated[int, Within(low=2)] = 100,
+    workers: Positive = 1,
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
-    until: Quantity | None = None,
-    tolerance: float | None = None,
+    until: Duration | None = None,
+    tolerance: Tolerance | None = None,
     watch: Callable[[int, float], None] = lambda runs, residual: None,
 ) -> Tuned:
     """Fit parameters of a scene to target values of headline numbers and to measured curves.
 
-    Bounded least squares from the values of the scene, with derivatives from `gradients` or finite differences.
+    Bounded least squares from the values of the scene, with finite differences of runs.
 
     Parameters
     ----------
@@ -48,13 +50,15 @@ def tune(
     curve : str or Path, optional
         CSV file with times (s) in the first column, other columns headed COMPONENT.VARIABLE or COMPONENT.VARIABLE[1]
     accuracy : float
-        largest relative difference to the targets; by default 1e-4
+        largest relative difference to the targets
     most_runs : int
-        limit on the number of runs, derivatives included; by default 100
+        limit on the number of runs, derivatives included
     workers : int
-        processes; by default 1
-    rigid, flexible, large_deformation, until, tolerance
-        see `simulate`; choose `tolerance` well below `accuracy`
+        number of processes
+    rigid, flexible, large_deformation, until
+        see `simulate`
+    tolerance : float, optional
+        relative accuracy of every run, which should be well below `accuracy`; by default that of the scene
     watch : callable, optional
         called with the number of runs and the smallest residual
 
@@ -73,13 +77,13 @@ def tune(
     >>> keys = {"hinge_line.HL1.motor.stowed": "uniform(1.2 N.m, 2 N.m)"}
     >>> fanfold.tune("amos3", keys, {"latch_time.HL1": "11.6 s"}, rigid="all").settings
     """
+    options = options_of(locals())
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     wanted = (
         [_wanted(name, value) for name, value in targets.items()]
         if isinstance(targets, Mapping)
         else list(map(target, targets))
     )
-    options = options_of(rigid, flexible, large_deformation, until, tolerance)
     measured = () if curve is None else curves(Path(curve))
     task = Task(as_scene(scene), options)
     return _tune(

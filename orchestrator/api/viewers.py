@@ -4,30 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from ..messages import message
 from ..results.result import ResultError
+from ..scene.builder import Names, listed
 from .documents import ResultLike, opened
+from .options import OutputFile, Positive, Within
+from .quantities import Duration, in_si
 from .warnings import warn
 
 if TYPE_CHECKING:
     from ..results.result import Result
 
+Format = Literal["glb", "vtu", "csv", "mat"]
 _TABLES, _ANIMATION, _SERIES = ("csv", "mat"), ("glb",), ("vtu",)
 
 
 def export_view(
     result: ResultLike,
-    path: str | Path,
-    format: str | None = None,
+    path: OutputFile,
+    format: Format | None = None,
     *,
-    signals: Sequence[str] | str = (),
-    every: float | None = None,
-    frames: int | None = None,
+    signals: Names = (),
+    every: Duration | None = None,
+    frames: Positive | None = None,
     times: Sequence[float] | None = None,
     stress: bool | None = None,
-    tolerance: float | None = None,
+    tolerance: Annotated[float, Within("m", 0.0, above=True)] | None = None,
     replace: bool = False,
 ) -> list[Path]:
     """Export a result for other programs.
@@ -37,17 +41,17 @@ def export_view(
     result : Result, str or Path
         result, or its file
     path : str or Path
-        file to write
+        file to write: .glb, .pvd, .csv or .mat
     format : {"glb", "vtu", "csv", "mat"}, optional
         animated bodies (glTF 2.0), series for ParaView (.pvd), table, MATLAB; by default from the suffix of `path`
     signals : str or sequence of str
-        csv, mat: patterns of COMPONENT or COMPONENT.VARIABLE; by default all signals
+        csv, mat: patterns of COMPONENT or COMPONENT.VARIABLE, such as "hl1_*"; by default all signals
     every : float, optional
-        csv, mat: time between rows, s, interpolated linearly; by default the recorded rows
+        csv, mat: time between rows, in seconds, interpolated linearly; by default the recorded rows
     frames : int, optional
         vtu: number of equally spaced times; by default 60
     times : sequence of float, optional
-        vtu: times, s; the nearest recorded rows are used
+        vtu: times, in seconds; the nearest recorded rows are used
     stress : bool, optional
         vtu: False omits von Mises stress
     tolerance : float, optional
@@ -69,8 +73,8 @@ def export_view(
 
     found, target = opened(result), Path(path)
     kind = format_of(target, format)
-    patterns = (signals,) if isinstance(signals, str) else tuple(signals)
-    _refuse_idle(kind, _TABLES, signals=patterns or None, every=every)
+    patterns, spacing = listed(signals), in_si(every, "s", "every", "positive")
+    _refuse_idle(kind, _TABLES, signals=patterns or None, every=spacing)
     _refuse_idle(kind, _SERIES, frames=frames, times=times, stress=stress)
     _refuse_idle(kind, _ANIMATION, tolerance=tolerance)
     refuse_to_lose(found, target, replace)
@@ -89,7 +93,7 @@ def export_view(
     elif kind == "vtu":
         _series(found, target, frames, times, stress is not False, replace)
     else:
-        _tables(found, target, kind, patterns, every)
+        _tables(found, target, kind, patterns, spacing)
     return [target]
 
 

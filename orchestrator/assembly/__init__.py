@@ -63,6 +63,11 @@ class HingeLine:
     inertia: float | None = None
 
     @property
+    def latch_event(self) -> str:
+        """Text of the event of its latch-up."""
+        return f"{self.name} latch-up"
+
+    @property
     def locks_rigid(self) -> bool:
         """Whether nothing gives way beside its lock, whose torque then says nothing of the wing."""
         return self.kinematic and self.rigid

@@ -10,28 +10,22 @@ import numpy as np
 
 from components import ComponentError, Instance
 from components.contract.component import Vector
-from components.contract.frames import add, rotate, rotation_matrix, with_positive_scalar
+from components.contract.frames import add, rotation_matrix, with_positive_scalar
 from components.flexible.modal import ModalData
 
-from ..scene.bodies import StartPose, attachments, base_model, body_model, motions, moved, scene_points
+from ..scene.bodies import body_model, moved
 from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
-from ..scene.hinge_line_tables import HingeLine
-from ..scene.locked_groups import Piece, PortSite, held_bodies, joined, joined_geometry, joined_model, pieces
-from ..scene.loops.coupled_lines import coupled_lines, rates_with
-from ..scene.loops.initial_assembly import start_poses
-from ..scene.loops.rates import start_rates
-from ..scene.schema import CheckedScene
+from ..scene.locked_groups import PortSite, RigidGroup, joined_geometry, joined_model, rigid_groups
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
-from . import HingeLine as AssemblyHingeLine
 from .beams import beam_part
 from .driving import driving
 from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
 from .fidelities import choose_fidelity
-from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
-from .locked_at_start import bolted_lines
+from .hinges import assembly_lines, damper_part, hinge_parts, line_latch, loop_part
 from .second_order import with_second_order
 from .signal_fmus import signal_fmus
 from .start_values import with_port_starts
@@ -48,7 +42,7 @@ def assemble(
 
     large_deformation: None for linear analyses, which take beams of large deformation as flexible bodies.
     """
-    held = held_bodies(scene)
+    held = scene.locked_bodies
     chosen = choose_fidelity(scene, rigid, flexible, large_deformation or ())
     is_flexible = {name: chosen[name] != "rigid" and name not in held for name in chosen}
     beams = {
@@ -64,8 +58,7 @@ def assemble(
         for name, body in with_second_order(scene, modal).items()
         if name not in beams
     }
-    poses = start_poses(scene, scene_points(scene))
-    parts_of_bodies, links, geometry = _placed_parts(scene, models, beams, poses)
+    parts_of_bodies, links, geometry = _placed_parts(scene, models, beams)
     if not links:
         raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
     linked = {link.connection[0] for link in links}
@@ -75,7 +68,7 @@ def assemble(
     _refuse_out_of_range(scene, [part for part in connections if part.name not in own])
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
-    hinge_lines = _assembly_lines(scene, lines, is_flexible, wrench_mode, poses)
+    hinge_lines = assembly_lines(scene, is_flexible, wrench_mode)
     return Assembly(
         name=header.name,
         scene_tree=scene.tree,
@@ -100,49 +93,23 @@ def _placed_parts(
     scene: CheckedScene,
     models: Mapping[str, ModalData],
     beams: Mapping[str, Body],
-    poses: Mapping[str, StartPose],
 ) -> tuple[list[Part], list[Link], dict[str, Geometry]]:
     """Bodies where they start and with the rates that they start with, their links, and what pictures need."""
-    rates = start_rates(scene, scene_points(scene), poses)
-    found = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
-    found += [port for line in scene.hinge_lines for port in stop_attachments(line)]
+    found = [*scene.attachments, *(port for line in scene.hinge_lines for port in stop_attachments(line))]
     parts: list[Part] = []
     links: list[Link] = []
     geometry: dict[str, Geometry] = {}
-    for piece in pieces(scene, found, poses).values():
-        if piece.root in beams:
-            part, shown = beam_part(scene, beams[piece.root], piece, poses)
-            center = body_model(beams[piece.root], flexible=False).center_of_mass
+    for group in rigid_groups(scene, found, scene.poses).values():
+        if group.root in beams:
+            part, shown = beam_part(scene, beams[group.root], group)
+            center = scene.rigid_models[group.root].center_of_mass
         else:
-            part, shown = _piece_part(scene, piece, models, poses)
+            part, shown = _group_part(scene, group, models)
             center = part.structure.get("modal", {}).get("center_of_mass")
-        parts.append(_moving_at_start(part, center, rates.get(piece.root)))
-        links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
-        geometry |= {piece.root: shown} if len(shown.positions) else {}
+        parts.append(_moving_at_start(part, center, scene.rates.get(group.root)))
+        links += [Link((group.root, site.name), site.connection) for site in group.sites]
+        geometry |= {group.root: shown} if len(shown.positions) else {}
     return parts, links, geometry
-
-
-def _assembly_lines(
-    scene: CheckedScene,
-    lines: Sequence[HingeLine],
-    is_flexible: Mapping[str, bool],
-    mode: WrenchMode,
-    poses: Mapping[str, StartPose],
-) -> tuple[AssemblyHingeLine, ...]:
-    roots, bolted = joined(scene), bolted_lines(scene)
-    groups = coupled_lines(scene)
-    return tuple(
-        assembly_line(
-            line,
-            line_latch(scene, line, is_flexible, mode),
-            is_flexible,
-            (roots[line.inboard], roots[line.outboard]),
-            rotate(poses[line.inboard].orientation, line.axis),
-            line.name in bolted,
-            rates_with(groups, line.name),
-        )
-        for line in lines
-    )
 
 
 def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
@@ -176,40 +143,40 @@ def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
         raise SceneError([f"{scene.file}: body.{body.name}: {error}"]) from None
 
 
-def _piece_part(
-    scene: CheckedScene, piece: Piece, models: Mapping[str, ModalData], poses: Mapping[str, StartPose]
+def _group_part(
+    scene: CheckedScene, group: RigidGroup, models: Mapping[str, ModalData]
 ) -> tuple[Part, Geometry]:
-    """A body or joined piece where it starts, and what a picture of it needs."""
-    base = base_model(scene.base)
-    own = {name: models[name] for name in piece.bodies if name in models}
-    if (motion := motions(scene).get(piece.root)) is not None:
-        return _moving_part(scene, piece, motion, poses), _geometry(*joined_geometry(piece, own))
-    if piece.root == scene.base.name:
-        carried = _carried(piece, own)
+    """A body or joined group where it starts, and what a picture of it needs."""
+    base = scene.rigid_models.get(scene.base.name)
+    own = {name: models[name] for name in group.bodies if name in models}
+    if (motion := scene.motions.get(group.root)) is not None:
+        return _moving_part(scene, group, motion), _geometry(*joined_geometry(group, own))
+    if group.root == scene.base.name:
+        carried = _carried(group, own)
         if base is None:
-            return _fixed_part(scene, piece, carried), _geometry(*joined_geometry(piece, own))
+            return _fixed_part(scene, group, carried), _geometry(*joined_geometry(group, own))
         own = {scene.base.name: base, **own}
-    model = joined_model(piece, own) if piece.is_joined else own[piece.root]
+    model = joined_model(group, own) if group.is_joined else own[group.root]
     ports = [
         {"name": s.name, "point": s.point, "offset": s.offset, "orientation": s.orientation}
-        for s in piece.sites
+        for s in group.sites
     ]
     bodies = {body.name: body for body in scene.bodies}
     structure: dict[str, Any] = {"modal": model.to_arrays(), "ports": ports}
-    pose = poses[piece.root]
+    pose = scene.poses[group.root]
     start: dict[str, Any] = {
         "initial_position": pose.position,
         "initial_orientation": with_positive_scalar(pose.orientation),
         "gravity": scene.header.gravity,
     }
-    if piece.root in bodies:
-        structure["inertia_coupling"] = bodies[piece.root].inertia_coupling
-        start["damping_scale"] = bodies[piece.root].damping_scale
+    if group.root in bodies:
+        structure["inertia_coupling"] = bodies[group.root].inertia_coupling
+        start["damping_scale"] = bodies[group.root].damping_scale
     else:
-        marked = [port | _outside(site) for port, site in zip(ports, piece.sites, strict=True)]
+        marked = [port | _outside(site) for port, site in zip(ports, group.sites, strict=True)]
         structure |= {"is_base": True, "ports": marked, **carried}
     shown = Geometry(model.display_positions, model.display_shapes, model.display_faces)
-    return Part(piece.root, "body", structure, start), shown
+    return Part(group.root, "body", structure, start), shown
 
 
 def _moving_at_start(part: Part, center: Vector | None, rates: Vector | None) -> Part:
@@ -229,46 +196,45 @@ def _geometry(positions: Any, faces: Any) -> Geometry:  # noqa: ANN401 - arrays
     return Geometry(positions, np.zeros((len(positions), 3, 0)), faces)
 
 
-def _carried(piece: Piece, models: Mapping[str, ModalData]) -> dict[str, Any]:
+def _carried(group: RigidGroup, models: Mapping[str, ModalData]) -> dict[str, Any]:
     """What held lines join to the base, as its structure has it; empty where nothing is."""
     if not models:
         return {}
-    whole = joined_model(piece, models)
+    whole = joined_model(group, models)
     center, inertia = tuple(whole.center_of_mass.tolist()), whole.inertia.tolist()
     return {"carried": {"mass": whole.mass, "center_of_mass": center, "inertia": inertia}}
 
 
-def _fixed_part(scene: CheckedScene, piece: Piece, carried: Mapping[str, Any]) -> Part:
+def _fixed_part(scene: CheckedScene, group: RigidGroup, carried: Mapping[str, Any]) -> Part:
     """The spacecraft as ground, with what held lines join to it; loads are about its first point."""
-    structure = {"ports": _frame_ports(scene, piece), **carried}
+    structure = {"ports": _frame_ports(scene, group), **carried}
     if carried:
         structure["gravity"] = scene.header.gravity
-    return Part(piece.root, "fixed_base", structure, {})
+    return Part(group.root, "fixed_base", structure, {})
 
 
-def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion, poses: Mapping[str, StartPose]) -> Part:
+def _moving_part(scene: CheckedScene, group: RigidGroup, motion: Motion) -> Part:
     """What follows a motion; loads are about its pivot."""
     back = (-law.value(0.0) for law in motion.laws)
-    frame = moved(poses[piece.root], motion, *back)
+    frame = moved(scene.poses[group.root], motion, *back)
     structure = {
         **motion.model_dump(),
-        "ports": _frame_ports(scene, piece),
+        "ports": _frame_ports(scene, group),
         "position": frame.position,
         "orientation": with_positive_scalar(frame.orientation),
-        "is_base": piece.root == scene.base.name,
+        "is_base": group.root == scene.base.name,
     }
-    return Part(piece.root, "moving_base", structure, {})
+    return Part(group.root, "moving_base", structure, {})
 
 
-def _frame_ports(scene: CheckedScene, piece: Piece) -> list[dict[str, Any]]:
-    """Ports of a piece in the axes of its root."""
-    points = scene_points(scene)
+def _frame_ports(scene: CheckedScene, group: RigidGroup) -> list[dict[str, Any]]:
+    """Ports of a group in the axes of its root."""
     ports = []
-    for site in piece.sites:
-        body, _, point = site.point.partition(".") if piece.is_joined else (piece.root, "", site.point)
-        at = piece.poses[body].place(points[body][point])
+    for site in group.sites:
+        body, _, point = site.point.partition(".") if group.is_joined else (group.root, "", site.point)
+        at = group.poses[body].place(scene.points[body][point])
         port = {"name": site.name, "position": add(at, site.offset), "orientation": site.orientation}
-        ports.append(port | _outside(site) if piece.root == scene.base.name else port)
+        ports.append(port | _outside(site) if group.root == scene.base.name else port)
     return ports
 
 

@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from components.beam_parts.linear_model import display_faces
-from components.beam_parts.variables import Section
-from components.body import Body as ModalBody
 from components.catalogue import BodyDefinition
-from components.contract.component import Vector
 from components.contract.frames import with_positive_scalar
-from components.flexible.modal import ModalData, default_damping
+from components.flexible.modal import default_damping
 from components.flexible.reduction import free_frequencies
 
-from ..scene.bodies import StartPose, body_definition
+from ..scene.bodies import body_definition
 from ..scene.body_tables import Body
 from ..scene.damping import StructuralDamping
-from ..scene.locked_groups import Piece
-from ..scene.schema import CheckedScene
+from ..scene.locked_groups import RigidGroup
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Geometry, Part
 
 
-def beam_part(
-    scene: CheckedScene, body: Body, piece: Piece, poses: Mapping[str, StartPose]
-) -> tuple[Part, Geometry]:
+def beam_part(scene: CheckedScene, body: Body, group: RigidGroup) -> tuple[Part, Geometry]:
     """A beam where it starts, and what a picture of it needs; SceneError where it has attached masses."""
     if body.masses:
         raise SceneError(
@@ -43,10 +37,10 @@ def beam_part(
     nodes, at = beam.nodes(), beam.point_nodes
     ports = [
         {"name": s.name, "node": at[s.point], "offset": s.offset, "orientation": s.orientation}
-        for s in piece.sites
+        for s in group.sites
     ]
     structure: dict[str, Any] = {"nodes": nodes, "section": beam.section._asdict(), "ports": ports}
-    pose = poses[piece.root]
+    pose = scene.poses[group.root]
     start: dict[str, float | tuple[float, ...]] = {
         "initial_position": pose.position,
         "initial_orientation": with_positive_scalar(pose.orientation),
@@ -55,31 +49,7 @@ def beam_part(
     }
     positions = np.array([node["position"] for node in nodes])
     shown = Geometry(positions, np.zeros((len(nodes), 3, 0)), display_faces(len(nodes)))
-    return Part(piece.root, "beam", structure, start), shown
-
-
-def as_rigid(part: Part) -> Part:
-    """A rigid body in the place of a beam, with its mass and ports: as good where only what holds it matters."""
-    nodes = np.array([node["position"] for node in part.structure["nodes"]])
-    section = Section.of(part.structure["section"])
-    halves = 0.5 * np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    lengths = np.append(halves, 0.0) + np.append(0.0, halves)
-    center = lengths @ nodes / lengths.sum()
-    arms = nodes - center
-    thin = np.einsum("n,nij->ij", lengths, np.sum(arms**2, 1)[:, None, None] * np.eye(3) - _outer(arms))
-    inertia = section.line_mass * thin + lengths.sum() * np.sum(section.line_inertia) * np.eye(3)
-    ports = part.structure["ports"]
-    points = {port["name"]: nodes[port["node"]] + np.array(port["offset"]) for port in ports}
-    data = ModalData.rigid(section.line_mass * lengths.sum(), center, inertia, points)
-    seats = [{"name": p["name"], "point": p["name"], "orientation": p["orientation"]} for p in ports]
-    start = {name: part.start[name] for name in ("initial_position", "initial_orientation", "gravity")}
-    return Part(part.name, ModalBody.kind, {"modal": data.to_arrays(), "ports": seats}, start)
-
-
-def _outer(vectors: Vector) -> Vector:
-    """Dyads (n, 3, 3) of vectors (n, 3) with themselves."""
-    found: Vector = np.einsum("ni,nj->nij", vectors, vectors)
-    return found
+    return Part(group.root, "beam", structure, start), shown
 
 
 def _damping_time(body: Body, definition: BodyDefinition, structural: StructuralDamping | None) -> float:

@@ -13,7 +13,7 @@ from components.numerics.motion_law import NOTHING, MotionLaw
 from ..scene.component_connections import component_values
 from ..scene.connection_tables import Connection
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from . import Driving
 
 _SAMPLES = 65

@@ -20,7 +20,7 @@ from components.end_stop import OF_HINGE, EndStop
 from ..scene.component_connections import in_range, number_of, value_of
 from ..scene.event_tables import Event as EventTable
 from ..scene.event_tables import When
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Condition, Event, HingeLine, Part, Setting
 

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from ..scene.bodies import body_definition
 from ..scene.body_tables import Body, Fidelity
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 
 _WORDS: dict[Fidelity, str] = {

@@ -8,16 +8,16 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from components.contract.frames import Vector3
+from components.contract.frames import Vector3, rotate
 
 from ..scene.component_connections import WrenchMode
 from ..scene.connection_tables import Ccl, Damper
-from ..scene.damping import StructuralDamping
-from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch, TorqueLoop
-from ..scene.schema import CheckedScene
+from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, MeasuredLatch, TorqueLoop
+from ..scene.loops.coupled_lines import rates_with
+from ..scene.placed_scene import CheckedScene
 from . import HingeLine as AssemblyHingeLine
 from . import Part
-from .effective_inertia import effective_inertia
+from .locked_at_start import bolted_lines
 from .sticking import sticking
 
 _NEGLIGIBLE = 1e-3
@@ -39,54 +39,43 @@ class LatchSetting(NamedTuple):
     inertia: float | None = None
 
 
-def latch_setting(
-    latch: Latch | None,
-    inboard_has_compliance: bool,
-    outboard_has_compliance: bool,
-    mode: WrenchMode,
-    structural: StructuralDamping | None = None,
-    inertia: float = 0.0,
+def line_latch(
+    scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> LatchSetting:
     """The latch of a line (Bagnoli 2007, sections 3.3.5 and 3.4.3.3).
 
     The spring has the compliance that the bodies' models lack, by equation 2.7; where they lack none the latch is
     kinematic, and where they lack just that of the hinges it follows their measured torque, if there is one.
-    Explicit hosts cannot lock: there a kinematic latch is a spring of the whole line. Structural damping takes the
-    place of the latch's own; that of a measured curve is constant, by the stiffness that the bodies' models lack.
-    inertia: effective one of the line (kg.m2), which turns the damping ratio into N.m.s/rad.
+    The spacecraft, rigid at every fidelity, lacks no compliance but what is stated of it. Explicit hosts cannot lock:
+    there a kinematic latch is a spring of the whole line. Structural damping takes the place of the latch's own; that
+    of a measured curve is constant, by the stiffness that the bodies' models lack.
     """
+    latch = line.latch
     if latch is None:
         return LatchSetting("none", 0.0, 0.0)
-    sides = (
-        (latch.inboard_stiffness, inboard_has_compliance),
-        (latch.outboard_stiffness, outboard_has_compliance),
-    )
+    inertia = latch.effective_inertia or scene.effective_inertia(line)
+    sides = [
+        (stiffness, flexible[body] if body != scene.base.name else stiffness is None)
+        for body, stiffness in (
+            (line.inboard, latch.inboard_stiffness),
+            (line.outboard, latch.outboard_stiffness),
+        )
+    ]
     modelled = sum(1.0 / stiffness for stiffness, has_it in sides if has_it and stiffness is not None)
     missing = 1.0 / latch.stiffness - modelled
     locks = latch.kind == "kinematic" or (
         latch.kind == "by_fidelity" and missing * latch.stiffness < _NEGLIGIBLE
     )
     if locks and mode == "mean":
-        return LatchSetting("kinematic", 0.0, 0.0)
+        return LatchSetting("kinematic", 0.0, 0.0, inertia=inertia)
     stiffness = latch.stiffness if locks or latch.kind == "spring" else 1.0 / missing
+    structural = scene.structural_damping
     own = 2.0 * latch.damping_ratio * sqrt(stiffness * inertia)
     damping = own if structural is None else structural.time * stiffness
-    only_hinges = inboard_has_compliance and outboard_has_compliance and latch.kind == "by_fidelity"
+    only_hinges = latch.kind == "by_fidelity" and all(has_it for _, has_it in sides)
     if latch.measured is not None and only_hinges:
-        return LatchSetting("table", stiffness, damping, latch.measured)
-    return LatchSetting("spring", stiffness, damping)
-
-
-def line_latch(
-    scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode
-) -> LatchSetting:
-    """The latch of a line; the spacecraft, rigid at every fidelity, lacks no compliance but what is stated of it."""
-    latch, base = line.latch, scene.base.name
-    inboard = flexible[line.inboard] if line.inboard != base else not (latch and latch.inboard_stiffness)
-    outboard = flexible[line.outboard] if line.outboard != base else not (latch and latch.outboard_stiffness)
-    inertia = 0.0 if line.latch is None else line.latch.effective_inertia or effective_inertia(scene, line)
-    found = latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping, inertia)
-    return found._replace(inertia=inertia or None)
+        return LatchSetting("table", stiffness, damping, latch.measured, inertia)
+    return LatchSetting("spring", stiffness, damping, inertia=inertia)
 
 
 def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterator[str]:
@@ -128,34 +117,32 @@ def contradicted_curves(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def assembly_line(
-    line: HingeLine,
-    latch: LatchSetting,
-    flexible: Mapping[str, bool],
-    parts: tuple[str, str],
-    axis: Vector3,
-    bolted: bool,
-    coupled: tuple[tuple[str, float], ...],
-) -> AssemblyHingeLine:
-    """What the master and the key figures need to know of a line; axis: in the world, where a run begins.
-
-    bolted: whether hold-downs or a drive keep it there. coupled: rates of the lines that it turns with, over its own.
-    """
-    return AssemblyHingeLine(
-        line.name,
-        tuple(hinge.name for hinge in line.hinges),
-        line.sensor,
-        latches=latch.kind != "none",
-        kinematic=latch.kind == "kinematic",
-        rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
-        deployed_angle=line.deployed_angle if line.is_open_ended else None,
-        parts=parts,
-        axis=axis,
-        bolted=bolted,
-        known=_known(line),
-        coupled=coupled,
-        inertia=latch.inertia,
-    )
+def assembly_lines(
+    scene: CheckedScene, flexible: Mapping[str, bool], mode: WrenchMode
+) -> tuple[AssemblyHingeLine, ...]:
+    """What the master and the key figures need to know of the lines that move."""
+    bolted, groups = bolted_lines(scene), scene.group_roots
+    found = []
+    for line in (line for line in scene.hinge_lines if not line.held):
+        latch = line_latch(scene, line, flexible, mode)
+        found.append(
+            AssemblyHingeLine(
+                line.name,
+                tuple(hinge.name for hinge in line.hinges),
+                line.sensor,
+                latches=latch.kind != "none",
+                kinematic=latch.kind == "kinematic",
+                rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
+                deployed_angle=line.deployed_angle if line.is_open_ended else None,
+                parts=(groups[line.inboard], groups[line.outboard]),
+                axis=rotate(scene.poses[line.inboard].orientation, line.axis),
+                bolted=line.name in bolted,
+                known=_known(line),
+                coupled=rates_with(scene.coupled_lines, line.name),
+                inertia=latch.inertia,
+            )
+        )
+    return tuple(found)
 
 
 def _known(line: HingeLine) -> tuple[float, ...]:

@@ -10,15 +10,14 @@ from components.hinge import Hinge
 from components.hold_down import HoldDown
 
 from ..scene.event_tables import Event
-from ..scene.locked_groups import joined
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 
 Edge = tuple[str, str]
 
 
 def bolted_lines(scene: CheckedScene) -> frozenset[str]:
     """Names of lines beside a drive, or that close a chain of lines, joints and hold-downs, open without the last."""
-    roots = joined(scene)
+    roots = scene.group_roots
     lines, joints, bolts = _lines(scene), _between(scene, Hinge.kind), _between(scene, HoldDown.kind)
     driven = [
         {roots[seat.body] for seat in c.ports.values()} for c in scene.connections if c.kind == Drive.kind
@@ -57,13 +56,13 @@ def without_bolts(scene: CheckedScene, gone: Collection[str]) -> CheckedScene:
 
 def _lines(scene: CheckedScene) -> dict[str, Edge]:
     """Pieces on both sides of every hinge line."""
-    roots = joined(scene)
+    roots = scene.group_roots
     return {line.name: (roots[line.inboard], roots[line.outboard]) for line in scene.hinge_lines}
 
 
 def _between(scene: CheckedScene, kind: str) -> dict[str, Edge]:
     """Pieces on both sides of every connection of a kind that has two."""
-    roots = joined(scene)
+    roots = scene.group_roots
     seats = {c.name: [roots[s.body] for s in c.ports.values()] for c in scene.connections if c.kind == kind}
     return {name: (bodies[0], bodies[1]) for name, bodies in seats.items() if len(bodies) == 2}
 

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 from math import sqrt
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag, eigh, null_space
 
 from components.contract.component import ComponentError, Vector
+from components.contract.frames import Vector3
 from components.flexible.modal import ModalData, rigid_motion
 from components.load import Load
 
-from ..scene.bodies import attachments, body_definition, body_model, motions
+from ..scene.bodies import attachments, body_definition, body_model
 from ..scene.body_tables import Body
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.coupled_lines import strands
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.table import SceneError
 from . import Part
 from .driving import load_laws
@@ -33,11 +34,13 @@ def with_second_order(scene: CheckedScene, bending: Mapping[str, bool]) -> dict[
 
     bending: whether each body has modes in the run; others keep what the scene says.
     """
-    spin, bodies = fastest_turn(scene), {body.name: body for body in scene.bodies}
-    for name, body in bodies.items():
-        if bending[name] and body.second_order_modes is None and supplies_second_order(body):
+    bodies = {body.name: body for body in scene.bodies}
+    names = [name for name, body in bodies.items() if body.second_order_modes is None and bending[name]]
+    spin, loads = fastest_turn(scene), axial_loads(scene) if names else {}
+    for name in names:
+        if supplies_second_order(body := bodies[name]):
             try:
-                count = _chosen(scene, body, spin)
+                count = _chosen(scene, body, spin, loads[name])
             except ComponentError as error:
                 raise SceneError([f"{scene.file}: body.{name}: {error}"]) from None
             bodies[name] = body.model_copy(update={"second_order_modes": count})
@@ -53,11 +56,11 @@ def supplies_second_order(body: Body) -> bool:
     return definition.imported is None and not stretches
 
 
-def _chosen(scene: CheckedScene, body: Body, spin: float) -> int:
+def _chosen(scene: CheckedScene, body: Body, spin: float, load: AxialLoad) -> int:
     """Modes from the lowest up to the last one that loads change; all where the body spins (rad/s)."""
     data = _unfiltered(body)
     modes = data.frequency
-    load, joints = AxialLoad.of(scene, body), joint_places(scene, body)
+    joints = joint_places(scene, body)
     if spin and spin**2 > FELT * held_frequency(data, joints) ** 2:
         return int(modes.size)
     if not joints or not any(load):
@@ -138,56 +141,45 @@ class AxialLoad(NamedTuple):
         """The force (N) between joints so far apart (m); while a line latches strands have their preload."""
         return self.force + max(self.slack_strand, self.strands + self.latch_up / span)
 
-    @classmethod
-    def of(cls, scene: CheckedScene, body: Body) -> Self:
-        """By weight, inertia and loads, by cable loops along it and the motors of its wing, which latches take up."""
-        own = list(scene.lines_inward(body.name))
-        wing = [
-            line
-            for line in scene.hinge_lines
-            if not line.held and _root(scene, line) in {one.name for one in own}
-        ]
-        loops = [one for one in strands(scene) if one.along == body.name]
+
+def axial_loads(scene: CheckedScene) -> dict[str, AxialLoad]:
+    """By weight, inertia and loads, by cable loops along a body and the motors of its wing, which latches take up."""
+    until, every, found = scene.header.until, list(strands(scene)), {}
+    acceleration = max(
+        (_largest(motion.laws[0].acceleration, until) for motion in scene.motions.values()), default=0.0
+    )
+    laws = [load_laws(one)[0] for one in scene.connections if one.kind == Load.kind]
+    force = sum(_largest(law.value, until) for law in laws)
+    carrying = {body: list(scene.lines_inward(body)) for body in scene.points}
+    for body, own in carrying.items():
+        names = {line.name for line in own}
+        wing = [k for k in scene.hinge_lines if not k.held and carrying[k.outboard][-1].name in names]
+        loops = [one for one in every if one.along == body]
         torque = sum(abs(line.motor_law.value(line.initial_angle)) for line in wing)
         stiffness = max((line.latch.stiffness for line in wing if line.latch is not None), default=0.0)
-        return cls(
-            _weight(scene, body, own) + _loads(scene),
+        carried = [b.name for b in scene.bodies if not own or any(k is own[0] for k in carrying[b.name])]
+        weight = _across(scene.header.gravity, own) + acceleration
+        found[body] = AxialLoad(
+            weight * sum(scene.rigid_models[name].mass for name in carried) + force,
             sum(2.0 * one.preload for one in loops),
             max((torque / min(one.radii) for one in loops), default=0.0),
             sqrt(2.0 * sum(line.motor_energy for line in wing) * stiffness),
         )
+    return found
 
 
-def _root(scene: CheckedScene, line: HingeLine) -> str:
-    """Name of the line that carries all that this one belongs to."""
-    return [one.name for one in scene.lines_inward(line.outboard)][-1]
-
-
-def _weight(scene: CheckedScene, body: Body, own: Sequence[HingeLine]) -> float:
-    """Of a body and all that it carries (N), across its hinge line, by gravity and what its base follows."""
-    gravity = np.array(scene.header.gravity)
+def _across(gravity: Vector3, own: Sequence[HingeLine]) -> float:
+    """Magnitude of gravity (m/s2) across the line of a body; own: the lines that carry it."""
+    across = np.array(gravity)
     if own:
         axis = np.array(own[0].axis)
-        gravity = np.cross(gravity, axis / np.linalg.norm(axis))
-    across = float(np.linalg.norm(gravity))
-    times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
-    shifts = [shift for shift, _ in (motion.laws for motion in motions(scene).values())]
-    across += max((abs(shift.acceleration(time)) for shift in shifts for time in times), default=0.0)
-    if not across:
-        return 0.0
-    carried = [
-        other
-        for other in scene.bodies
-        if not own or any(line.name == own[0].name for line in scene.lines_inward(other.name))
-    ]
-    return across * sum(body_model(other, flexible=False).mass for other in carried)
+        across = np.cross(across, axis / np.linalg.norm(axis))
+    return float(np.linalg.norm(across))
 
 
-def _loads(scene: CheckedScene) -> float:
-    """Largest forces (N) of all loads that follow laws, which joints pass on."""
-    times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
-    laws = [load_laws(one)[0] for one in scene.connections if one.kind == Load.kind]
-    return sum(max(abs(law.value(time)) for time in times) for law in laws)
+def _largest(law: Callable[[float], float], until: float) -> float:
+    """Largest magnitude of a function of time until a time (s)."""
+    return max(abs(law(time)) for time in np.linspace(0.0, until, _SAMPLES).tolist())
 
 
 def held_frequency(data: ModalData, joints: Sequence[Sequence[str]]) -> float:
@@ -216,6 +208,5 @@ def second_order_modes(part: Part) -> int:
 
 def fastest_turn(scene: CheckedScene, until: float | None = None) -> float:
     """Largest rate (rad/s) of turns that motions of the scene follow, up to a time (s), by default its end."""
-    times = np.linspace(0.0, scene.header.until if until is None else until, _SAMPLES).tolist()
-    turns = [turn for _, turn in (motion.laws for motion in motions(scene).values())]
-    return max((abs(turn.rate(time)) for turn in turns for time in times), default=0.0)
+    end = scene.header.until if until is None else until
+    return max((_largest(motion.laws[1].rate, end) for motion in scene.motions.values()), default=0.0)

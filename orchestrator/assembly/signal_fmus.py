@@ -18,7 +18,8 @@ from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member, folder_here
 from fmus.description.units import base_unit, has_root
 
-from ..scene.schema import SMALLEST_STEP, CheckedScene
+from ..scene.placed_scene import CheckedScene
+from ..scene.schema import SMALLEST_STEP
 from ..scene.signal_tables import Fmu
 from ..scene.table import SceneError
 from . import HingeLine, Part, Signal, SignalFmu

@@ -9,11 +9,9 @@ from __future__ import annotations
 from math import hypot, sqrt
 from typing import NamedTuple
 
-from ..scene.bodies import base_model, body_model
 from ..scene.hinge_line_tables import HingeLine, Presliding
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from .driving import driving_load
-from .effective_inertia import effective_inertia
 
 _BREAKAWAY = 1e-4
 """Deflection at breakaway over the travel of the line."""
@@ -38,7 +36,7 @@ def sticking(scene: CheckedScene, line: HingeLine) -> Sticking:
     stiffness = presliding.stiffness or _usual_friction(scene, line) / (_BREAKAWAY * _travel(line))
     if stiffness == 0.0:
         return Sticking(0.0, 0.0)
-    inertia = presliding.effective_inertia or effective_inertia(scene, line)
+    inertia = presliding.effective_inertia or scene.effective_inertia(line)
     return Sticking(stiffness, 2.0 * presliding.damping_ratio * sqrt(stiffness * inertia))
 
 
@@ -58,12 +56,7 @@ def _pin_friction(scene: CheckedScene) -> float:
     pins = scene.friction
     if pins.coefficient == 0.0:
         return 0.0
-    load = driving_load(scene, scene.hinge_lines) + hypot(*scene.header.gravity) * _mass(scene)
+    mass = sum(model.mass for model in scene.rigid_models.values())
+    load = driving_load(scene, scene.hinge_lines) + hypot(*scene.header.gravity) * mass
     arm = pins.pin_radius * (1.0 + (1.0 / pins.bending_arm if pins.bending_arm else 0.0))
     return pins.static_ratio * pins.coefficient * arm * max(load, _LEAST_LOAD)
-
-
-def _mass(scene: CheckedScene) -> float:
-    models = [body_model(body, flexible=False) for body in scene.bodies]
-    base = base_model(scene.base)
-    return sum(one.mass for one in (*models, *([base] if base is not None else [])))

@@ -6,13 +6,14 @@ import click
 
 import orchestrator as fanfold
 
+from .command import Asked, made_of
 
-@click.command("cache")
-@click.option("--clear", is_flag=True, help="Remove its files; the next runs compute them again.")
-def command(clear: bool) -> None:
+
+@made_of("cache", name="cache")
+def command(asked: Asked) -> None:
     """Print the location and size of the cache of reduced bodies and compressed FMU code."""
-    found = fanfold.cache(clear=clear)
+    found = fanfold.cache(**asked["cache"])
     if found.sentence:
         click.echo(f"fanfold: warning: {found.sentence}", err=True)
     click.echo(f"{found.folder or 'no folder'}: {found.files} files, {found.size / 1e6:.1f} MB", nl=False)
-    click.echo(" removed" if clear else f" of {found.limit / 1e6:.0f} MB at most")
+    click.echo(" removed" if asked["cache"]["clear"] else f" of {found.limit / 1e6:.0f} MB at most")

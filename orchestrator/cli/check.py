@@ -4,57 +4,49 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, large_deformation_option, scene_options
+from ..api.options import Folder
+from .command import Asked, SceneChoice, made_of
 
 if TYPE_CHECKING:
     from ..analysis.scene_check import SceneCheck
 
 
-@click.command("check")
-@click.argument("what", nargs=-1, required=True, metavar="SCENE | FMU...")
-@scene_options
-@large_deformation_option
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Folder of the picture of the scene.",
+@made_of(
+    "check_scene", "check", name="check", scene={"nargs": -1, "required": True, "metavar": "SCENE | FMU..."}
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object (scenes only).")
-@click.option("--run/--no-run", default=True, help="Let FMUs make two steps, in their own process.")
-def command(
-    what: tuple[str, ...],
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
-    large_deformation: frozenset[str],
-    output: Path | None,
-    as_json: bool,
-    run: bool,
-    trust: bool,
-) -> None:
+def command(choice: SceneChoice, asked: Asked, output: Folder | None = None, as_json: bool = False) -> None:
     """Check a SCENE without running it, or FMUs (files with the suffix .fmu). Exit code 1 if there is any problem.
 
     Prints problems of a scene, warnings about probable mistakes, tables of its bodies, lines and loops, and writes a
     picture.
 
     A problem of an FMU breaks the standard or a requirement of Fanfold; advice alone is no problem.
+
+    Options
+    -------
+    output
+        folder of the picture of the scene
+    as_json
+        print one JSON object (scenes only)
+    run
+        let FMUs make two steps, in their own process
     """
+    what = choice.scene
     fmus = [one for one in what if Path(one).suffix.lower() == ".fmu"]
     if fmus and len(fmus) == len(what):
-        sys.exit(1 if _check_fmus(fmus, run) else 0)
+        sys.exit(1 if _check_fmus(fmus, asked["check"]["run"]) else 0)
     if len(what) > 1:
         raise click.UsageError("give one scene, or FMUs only")
-    choice = SceneChoice(what[0], variants, settings, rigid, flexible, trust)
-    sys.exit(1 if _check_scene(choice, large_deformation, output, as_json) else 0)
+    sys.exit(1 if _check_scene(replace(choice, scene=what[0]), asked["check_scene"], output, as_json) else 0)
 
 
 def _check_fmus(paths: list[str], run: bool) -> bool:
@@ -75,15 +67,12 @@ def _check_fmus(paths: list[str], run: bool) -> bool:
 
 
 def _check_scene(
-    choice: SceneChoice, large_deformation: frozenset[str], folder: Path | None, as_json: bool
+    choice: SceneChoice, models: Mapping[str, Any], folder: Folder | None, as_json: bool
 ) -> bool:
     """Print the check of every run of a scene; returns whether there is any problem."""
     try:
         runs = choice.load().runs
-        found = {
-            phase: fanfold.check_scene(scene, **choice.fidelities, large_deformation=large_deformation)
-            for phase, scene in runs.items()
-        }
+        found = {phase: fanfold.check_scene(scene, **models) for phase, scene in runs.items()}
         problems = [problem for one in found.values() for problem in one.problems]
     except fanfold.FanfoldError as error:
         found, problems = {}, str(error).splitlines()
@@ -96,11 +85,11 @@ def _check_scene(
         click.echo(f"problem: {problem}")
     for phase, one in found.items():
         if not one.problems:
-            _print(one, folder, Path(".".join(filter(None, (one.scene, *choice.variants, phase)))))
+            _print(one, folder, Path(".".join(filter(None, (one.scene, *choice.variant, phase)))))
     return bool(problems)
 
 
-def _print(found: SceneCheck, asked: Path | None, usual: Path) -> None:
+def _print(found: SceneCheck, asked: Folder | None, usual: Path) -> None:
     """Print tables and warnings, and write the picture."""
     from .picture_list import pictures
     from .scene_tables import scene_tables

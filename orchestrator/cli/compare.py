@@ -11,47 +11,46 @@ import click
 
 import orchestrator as fanfold
 
+from ..api.options import Folder
+from .command import EXISTING, made_of
+
 if TYPE_CHECKING:
     from rich.table import Table
 
     from ..api.result import Result
     from ..results.compare import Comparison
 
-_NUMBER = 7
 _DIFFERENCES = 12
 
 
 def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     """The comparison as a table for a terminal; A and B are the two results."""
-    from rich.text import Text
-
     from ..results.compare import cells
-    from .tables import plain_table
+    from .tables import table_of
 
-    table = plain_table(f"A = {names[0]}, B = {names[1]}")
-    table.add_column("quantity, of")
-    for heading in ("A", "B", "B / A", "at A, s", "shift, s"):
-        table.add_column(heading, justify="right", min_width=_NUMBER)
-    table.add_column("unit", no_wrap=True)
+    rows = []
     previous = ""
     for row in found.rows:
         a, b, ratio, time_a, _, shift, unit = cells(row)
         if row.quantity != previous:
-            table.add_row(Text(row.quantity, style="bold"))
-        table.add_row(f"  {row.of}", a, b, ratio, time_a, shift, unit)
+            rows.append((row.quantity, *[""] * 6))
+        rows.append((f"  {row.of}", a, b, ratio, time_a, shift, unit))
         previous = row.quantity
-    return table
+    headings = ("quantity, of", "A", "B", "B / A", "at A, s", "shift, s", "unit")
+    return table_of(f"A = {names[0]}, B = {names[1]}", headings, rows, ("quantity, of", "unit"))
 
 
-@click.command("compare")
-@click.argument("a", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.argument("b", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures."
-)
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
-    """Compare result B with result A: peaks, ratios, time shifts, overlaid pictures."""
+@made_of(name="compare")
+@click.argument("a", type=EXISTING)
+@click.argument("b", type=EXISTING)
+def command(a: Path, b: Path, output: Folder | None = None, as_json: bool = False) -> None:
+    """Compare result B with result A: peaks, ratios, time shifts, overlaid pictures.
+
+    Options
+    -------
+    output
+        folder for the pictures
+    """
     from ..results.compare import by_component, end_note, labels
     from ..results.differences import differences, scene_note
     from .tables import terminal

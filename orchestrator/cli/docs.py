@@ -10,41 +10,30 @@ import click
 
 import orchestrator as fanfold
 
+from ..api.options import OutputFile
+from .command import Asked, made_of
 from .progress import working
-from .types import OutputFile
 
 
-@click.command("docs")
-@click.option(
-    "--browser/--no-browser",
-    default=True,
-    help="Whether a browser opens the first page; its path is printed.",
-)
-@click.option(
-    "-o",
-    "--out",
-    "--output",
-    "out",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Folder of the pages; by default next to the cache.",
-)
-@click.option(
-    "--gallery/--no-gallery", default=True, help="Whether the examples run too, which takes a minute."
-)
-@click.option("--rebuild", is_flag=True, help="Build again, and measure on this machine again.")
-@click.option(
-    "--json-schema", "schema", type=OutputFile(),
-    help="Write the JSON schema of scene files, for editors, and nothing else.",
-)  # fmt: skip
-def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schema: Path | None) -> None:
-    """Open the documents as HTML. They are built first if necessary, which needs the extra docs."""
+@made_of("docs", name="docs", folder={"flags": "-o --out --output"}, schema={"flags": "--json-schema"})
+def command(asked: Asked, schema: OutputFile | None = None, browser: bool = True) -> None:
+    """Open the documents as HTML. They are built first if necessary, which needs the extra docs.
+
+    Options
+    -------
+    schema
+        write the JSON schema of scene files, for editors, and nothing else
+    browser
+        open the first page in a browser; its path is printed
+    """
     if schema is not None:
+        path = Path(schema)
         text = json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False)
-        schema.write_text(f"{text}\n", encoding="utf-8")
-        click.echo(schema)
+        path.write_text(f"{text}\n", encoding="utf-8")
+        click.echo(path)
         return
     with working("docs"):
-        page = fanfold.docs(out, gallery=gallery, rebuild=rebuild)
+        page = fanfold.docs(**asked["docs"])
     click.echo(page)
     if browser:
         webbrowser.open(page.resolve().as_uri())

@@ -7,29 +7,27 @@ from collections.abc import Iterator, Sequence
 from ..analysis.equilibrium import Equilibrium
 from ..results.round_off import noise_floor
 from ..scene.units import degrees_text
-from .tables import Column, plain_table, tables_that_fit, terminal
+from .tables import Column, table_of, tables_that_fit, terminal
 
 _BASE_LOADS = (("force", "N"), ("torque", "N.m"))
-_NUMBER = 7
 
 
 def print_loads(found: Equilibrium) -> None:
     """Holding torques of lines, then all loads above round-off."""
-    table = plain_table("static equilibrium")
-    table.add_column("connection")
-    table.add_column("load")
-    table.add_column("value", justify="right", min_width=_NUMBER)
-    table.add_column("unit")
-    for line, torque in found.holding_torques.items():
-        angle = degrees_text(found.angles[line], 3)
-        table.add_row(line, f"holding torque at {angle} deg", f"{torque + 0.0:.5g}", "N.m")
+    cells = [
+        (line, f"holding torque at {degrees_text(found.angles[line], 3)} deg", f"{torque + 0.0:.5g}", "N.m")
+        for line, torque in found.holding_torques.items()
+    ]
     rows = list(_load_rows(found))
     floors = _noise_floors(rows, found.reach)
     shown = [row for row in rows if abs(row[2]) > floors[row[3]]]
     previous = ""
     for connection, name, value, unit in shown:
-        table.add_row("" if connection == previous else connection, name, f"{value:.5g}", unit)
+        cells.append(("" if connection == previous else connection, name, f"{value:.5g}", unit))
         previous = connection
+    table = table_of(
+        "static equilibrium", ("connection", "load", "value", "unit"), cells, ("connection", "load", "unit")
+    )
     console = terminal()
     console.print(table)
     left_out = len(rows) - len(shown)

@@ -10,28 +10,27 @@ import click
 
 import orchestrator as fanfold
 
-from .options import plugin_option
+from .command import PLUGIN, made_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from components import Component, Quantity
 
     from ..scene.keys.listing import KeyTable
 
 
-@click.command("list")
+@made_of(name="list", plugin=PLUGIN)
 @click.argument("name", required=False)
-@click.option(
-    "--names",
-    is_flag=True,
-    help="Print only scenes and their variants, one per line, as arguments of `fanfold run`.",
-)
-@plugin_option
-def command(name: str | None, names: bool) -> None:
+def command(name: str | None, names: bool = False, plugin: Sequence[str] = ()) -> None:
     """List scenes and components, or describe NAME.
 
     NAME is a component, a table of scene files such as hinge_line, latch or panel, or `distributions` of studies.
+
+    Options
+    -------
+    names
+        print only scenes and their variants, one per line, as arguments of `fanfold run`
     """
     from components import REGISTRY
 
@@ -72,53 +71,51 @@ def _list_names() -> None:
 def _print_distributions() -> None:
     """Distributions of `fanfold study` with their numbers."""
     from ..analysis.sampling.distributions import FORMS
-    from .tables import plain_table, terminal
+    from .tables import table_of, terminal
 
-    table = plain_table("distributions of `fanfold study --vary KEY=DISTRIBUTION`")
-    table.add_column("distribution", no_wrap=True)
-    table.add_column("meaning")
-    for form, meaning in FORMS.values():
-        table.add_row(form, meaning)
-    terminal().print(table, markup=False)
+    title = "distributions of `fanfold study --vary KEY=DISTRIBUTION`"
+    headings = ("distribution", "meaning")
+    terminal().print(table_of(title, headings, FORMS.values(), headings, headings[:1]))
 
 
 def _print_table(table: KeyTable) -> None:
     """Keys of a table of scene files with unit, default and meaning, and an example."""
-    from .tables import plain_table, terminal
+    from .tables import table_of, terminal
 
     console = terminal()
     heading = f"[[{table.place}]]" if table.array else f"[{table.place}]"
     meaning = " ".join(table.meaning.split())
-    console.print(f"{heading} in scene files: {meaning}\n", markup=False, highlight=False)
-    keys = plain_table("keys")
-    keys.add_column("key", no_wrap=True)
-    for column in ("unit", "default", "meaning"):
-        keys.add_column(column, overflow="fold")
-    for key in table.keys:
-        cells = (key.unit, key.default, f"{key.meaning} ({key.value}{key.table and f' {key.table}'})")
-        keys.add_row(key.name, *(cell.replace("`", "") for cell in cells))
-    console.print(keys, markup=False)
-    console.print(f"example:\n\n{table.example}\n", markup=False, highlight=False)
+    console.print(f"{heading} in scene files: {meaning}\n", highlight=False)
+    rows = [
+        (key.name, key.unit, key.default, f"{key.meaning} ({key.value}{key.table and f' {key.table}'})")
+        for key in table.keys
+    ]
+    headings = ("key", "unit", "default", "meaning")
+    cells = ([cell.replace("`", "") for cell in row] for row in rows)
+    console.print(table_of("keys", headings, cells, headings, headings[:1]))
+    console.print(f"example:\n\n{table.example}\n", highlight=False)
 
 
 def _list_all() -> None:
-    from rich.table import Table
-
     from components import REGISTRY
 
-    from .tables import terminal
+    from .tables import table_of, terminal
 
-    scenes = Table("scene", "description", "bodies", "variants")
+    rows = []
     for name in fanfold.scenes():
         scene = fanfold.load(name)
         description = scene.tree["scene"].get("description", "")
-        scenes.add_row(name, description, ", ".join(scene.bodies), ", ".join(scene.variants))
-    kinds = Table("component", "what it is")
-    for kind, component in sorted(REGISTRY.items()):
-        kinds.add_row(kind, (component.__doc__ or "").strip().splitlines()[0])
+        rows.append((name, description, ", ".join(scene.bodies), ", ".join(scene.variants)))
+    kinds = [
+        (kind, (component.__doc__ or "").strip().splitlines()[0])
+        for kind, component in sorted(REGISTRY.items())
+    ]
     console = terminal()
-    console.print(scenes)
-    console.print(kinds)
+    for headings, cells in (
+        (("scene", "description", "bodies", "variants"), rows),
+        (("component", "what it is"), kinds),
+    ):
+        console.print(table_of(None, headings, cells, headings))
     console.print(
         "`fanfold list NAME` shows the keys of a component or of a table of scene files, such as latch"
     )
@@ -128,11 +125,11 @@ def _describe(kind: type[Component]) -> None:
     """Print the declarations of a component; variables are those of its example."""
     from inspect import getdoc
 
-    from .tables import plain_table, terminal
+    from .tables import table_of, terminal
 
     console, example = terminal(), kind.example()
     paragraphs = [" ".join(part.split()) for part in (getdoc(kind) or "").split("\n\n")]
-    console.print(f"{kind.kind}: " + "\n\n".join(paragraphs) + "\n", markup=False, highlight=False)
+    console.print(f"{kind.kind}: " + "\n\n".join(paragraphs) + "\n", highlight=False)
     ports = ", ".join(port.name for port in example.ports)
     side = (
         "receive motion and return a wrench"
@@ -140,14 +137,13 @@ def _describe(kind: type[Component]) -> None:
         else "receive a wrench and return motion"
     )
     varies = "set by its structure, such as" if kind.ports_vary else ""
-    console.print(f"ports: {varies}{ports}; they {side}\n", markup=False, highlight=False)
-    structure = plain_table("structure")
-    structure.add_column("key", no_wrap=True)
-    structure.add_column("default")
-    for key in signature(kind).parameters.values():
-        structure.add_row(key.name, "needed" if key.default is Parameter.empty else repr(key.default))
-    if structure.row_count:
-        console.print(structure, markup=False)
+    console.print(f"ports: {varies}{ports}; they {side}\n", highlight=False)
+    structure = [
+        (key.name, "needed" if key.default is Parameter.empty else repr(key.default))
+        for key in signature(kind).parameters.values()
+    ]
+    if structure:
+        console.print(table_of("structure", ("key", "default"), structure, ("key", "default")))
     _print_laws(kind)
     for title, quantities in (
         ("parameters", example.parameter_layout.quantities),
@@ -161,39 +157,38 @@ def _print_laws(kind: type[Component]) -> None:
     """Print the terms of motion laws, if the component has such laws."""
     from components.numerics.motion_law import MEANING, PROFILES, MotionLaw
 
-    from .tables import plain_table, terminal
+    from .tables import table_of, terminal
 
     if getattr(sys.modules[kind.__module__], MotionLaw.__name__, None) is not MotionLaw:
         return
-    table = plain_table("terms of motion laws")
-    for name in ("profile", "needs", "may have"):
-        table.add_column(name)
-    for name, profile in PROFILES.items():
-        defaults = ", ".join(f"{key} ({value:g})" for key, value in profile.may.items())
-        table.add_row(name, ", ".join(profile.needs), defaults)
+    headings = ("profile", "needs", "may have")
+    rows = [
+        (
+            name,
+            ", ".join(profile.needs),
+            ", ".join(f"{key} ({value:g})" for key, value in profile.may.items()),
+        )
+        for name, profile in PROFILES.items()
+    ]
     console = terminal()
-    console.print(table, markup=False)
-    console.print(" ".join(MEANING.replace("`", "").split()) + "\n", markup=False, highlight=False)
+    console.print(table_of("terms of motion laws", headings, rows, headings))
+    console.print(" ".join(MEANING.replace("`", "").split()) + "\n", highlight=False)
 
 
 def _print_quantities(title: str, quantities: Iterable[Quantity]) -> None:
     """Name, unit, default and meaning of variables; those that only correct others are left out."""
     from components import LAGGED
 
-    from .tables import plain_table, terminal
+    from .tables import table_of, terminal
 
-    shown = [quantity for quantity in quantities if not quantity.name.endswith(LAGGED)]
     has_start = title == "parameters"
-    table = plain_table(title)
-    table.add_column("name", no_wrap=True)
-    table.add_column("unit", no_wrap=True)
-    if has_start:
-        table.add_column("default")
-    table.add_column("meaning")
-    for quantity in shown:
+    rows = []
+    for quantity in quantities:
+        if quantity.name.endswith(LAGGED):
+            continue
         start = [", ".join(f"{value:g}" for value in quantity.start_values())] if has_start else []
-        table.add_row(
-            quantity.name, "" if quantity.unit == "1" else quantity.unit, *start, quantity.description
-        )
-    if shown:
-        terminal().print(table, markup=False)
+        unit = "" if quantity.unit == "1" else quantity.unit
+        rows.append((quantity.name, unit, *start, quantity.description))
+    headings = ("name", "unit", *["default"] * has_start, "meaning")
+    if rows:
+        terminal().print(table_of(title, headings, rows, headings, headings[:2]))

@@ -10,10 +10,11 @@ import click
 import orchestrator as fanfold
 
 if TYPE_CHECKING:
+    from ..api.options import Folder
     from ..api.pictures import Found
 
 
-def pictures(found: Found, asked: Path | None, usual: Path) -> list[Path]:
+def pictures(found: Found, asked: Folder | None, usual: Path) -> list[Path]:
     """Pictures in the requested folder, or else in the usual folder.
 
     If the usual folder is not writable, there are none, with a warning.

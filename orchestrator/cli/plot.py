@@ -8,18 +8,20 @@ import click
 
 import orchestrator as fanfold
 
-from .options import result_options
+from ..api.options import Folder
+from .command import made_of
 from .progress import working
 
 
-@click.command("plot")
-@click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures."
-)
-@result_options
-def command(result: Path, output: Path | None) -> None:
-    """Write the pictures of RESULT."""
+@made_of(name="plot")
+def command(result: Path, output: Folder | None = None) -> None:
+    """Write the pictures of RESULT.
+
+    Options
+    -------
+    output
+        folder for the pictures
+    """
     with working("plot") as watch:
         paths = fanfold.Result.open(result).plot_all(output or result.with_suffix(""), watch=watch)
     for path in paths:

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from ..analysis.scene_check import BodyOverview, LineOverview, LoopOverview, SceneCheck
 from ..scene.units import degrees_text
-from .tables import plain_table
+from .tables import table_of
 
 
 def scene_tables(found: SceneCheck) -> Iterator[Table]:
@@ -43,14 +43,7 @@ def _line_tables(found: SceneCheck) -> Iterator[Table]:
 
 
 def _table(title: str, texts: Sequence[str], numbers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
-    table = plain_table(title)
-    for heading in texts:
-        table.add_column(heading, overflow="fold")
-    for heading in numbers:
-        table.add_column(heading, justify="right", no_wrap=True)
-    for row in rows:
-        table.add_row(*row)
-    return table
+    return table_of(title, (*texts, *numbers), rows, texts)
 
 
 def _body(body: BodyOverview) -> tuple[str, ...]:

@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from math import floor, log10
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
 import orchestrator as fanfold
 
-from .options import (
-    SceneChoice,
-    large_deformation_option,
-    ordered_names,
-    refuse_idle,
-    replace_option,
-    scene_choice,
-)
-from .types import Number, OutputFile, Seconds
+from ..api.options import Folder, OutputFile
+from .command import Asked, SceneChoice, made_of, usual_file
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -29,7 +22,6 @@ if TYPE_CHECKING:
     from ..analysis.sampling.influence import Influence
     from ..api.study import Study
 
-_METHODS = ("latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time", "corners")
 _LINES = 12
 """Failed samples that are listed one by one."""
 _SENSITIVE = "most sensitive to"
@@ -37,121 +29,52 @@ _LEAST_ROOM = 20
 """Columns that the end of a key takes in any table."""
 
 
-@click.command("study")
-@scene_choice
-@large_deformation_option
-@click.option(
-    "--vary", multiple=True, metavar="KEY=DISTRIBUTION",
-    help=(
-        "Distribution of a key, such as 'friction.coefficient=uniform(0.05, 0.2)'; 'KEY*=normal(1, 0.03)' is a "
-        "factor, keys separated by commas get the same value; repeatable. A lognormal has its mean and "
-        "coefficient of variation, as in 'lognormal(0.15 N.m, 40 %)'; `fanfold list distributions` lists all."
-    ),
-)  # fmt: skip
-@click.option("--method", type=click.Choice(_METHODS), default=_METHODS[0], show_default=True)
-@click.option(
-    "--runs",
-    type=click.IntRange(min=1),
-    default=100,
-    show_default=True,
-    help="Number of samples of random methods.",
+@made_of(
+    "study",
+    name="study",
+    vary={"metavar": "KEY=DISTRIBUTION"},
+    points={"needs": "signals"},
+    levels={"needs": "method"},
 )
-@click.option(
-    "--levels", type=click.IntRange(min=2), default=5, show_default=True, help="Levels of each key of a grid."
-)
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
-@click.option(
-    "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Number of processes."
-)
-@click.option(
-    "--cluster", metavar="ADDRESS", help="Dask scheduler, such as tcp://host:8786, instead of --workers."
-)
-@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of every run.")
-@click.option(
-    "--until",
-    type=Seconds(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="End time of every run in seconds.",
-)
-@click.option("--estimate", is_flag=True, help="Estimate the errors of headline numbers in every run.")
-@click.option(
-    "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",
-    help="Signals to keep: patterns separated by commas, such as 'hl1_*,panel1.frame_*'.",
-)  # fmt: skip
-@click.option(
-    "--points", type=click.IntRange(min=2), default=201, show_default=True, help="Number of times of signals."
-)
-@click.option(
-    "-o",
-    "--output",
-    type=OutputFile(),
-    help="File of the study (HDF5); by default SCENE.study.h5, or SCENE.rigid.study.h5, as for `fanfold run`.",
-)
-@replace_option
-@click.option("--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     choice: SceneChoice,
-    large_deformation: frozenset[str],
-    vary: tuple[str, ...],
-    method: str,
-    runs: int,
-    levels: int,
-    seed: int,
-    workers: int,
-    cluster: str | None,
-    tolerance: float | None,
-    until: float | None,
-    estimate: bool,
-    signals: tuple[str, ...],
-    points: int,
-    output: Path | None,
-    replace: bool,
-    plot: Path | None,
-    as_json: bool,
+    asked: Asked,
+    vary: Sequence[str] = (),
+    save: OutputFile | None = None,
+    replace: bool = False,
+    plot: Folder | None = None,
+    as_json: bool = False,
 ) -> None:
     """Run SCENE many times with parameters drawn from distributions: Monte Carlo, designs, grids, worst cases.
 
     Every sample is stored as soon as it is finished. SCENE may also be the file of an interrupted study to continue, or
     of a complete one to print again.
-    """
-    refuse_idle("--points", "--signals")
-    refuse_idle("--levels", "--method")
-    from ..run.simulation import fidelity_word, result_file  # takes its time, which --help need not
 
+    Options
+    -------
+    vary
+        distribution of a key, such as 'friction.coefficient=uniform(0.05, 0.2)'; 'KEY*=normal(1, 0.03)' is a factor,
+        keys separated by commas get the same value; repeatable. A lognormal has its mean and coefficient of variation,
+        as in 'lognormal(0.15 N.m, 40 %)'; `fanfold list distributions` lists all
+    save
+        file of the study (HDF5); by default SCENE.study.h5, or SCENE.rigid.study.h5, as for `fanfold run`
+    replace
+        replace an existing file, even if it was made with other settings
+    plot
+        folder for figures
+    """
+    options = asked["study"]
     if choice.scene.endswith(".h5"):
-        if vary or choice.variants or choice.settings:
+        if vary or choice.variant or choice.settings:
             raise click.UsageError(
                 "a study continues with its own settings; leave out --vary, --variant and --set"
             )
-        path = Path(choice.scene)
-        found = fanfold.resume_study(
-            path, workers=workers, cluster=cluster, trust=choice.trust, progress=samples_bar
-        )
+        processes = {name: options[name] for name in ("workers", "cluster")}
+        found = fanfold.resume_study(choice.scene, **processes, trust=choice.trust, progress=samples_bar)
     else:
         scene = choice.load()
-        fidelity = fidelity_word(**choice.fidelities, large_deformation=large_deformation)
-        path = output or result_file(scene.name, scene.chosen, fidelity, "study.h5")
-        found = fanfold.study(
-            scene,
-            vary,
-            **choice.fidelities,
-            large_deformation=large_deformation,
-            method=method,
-            runs=runs,
-            levels=levels,
-            seed=seed,
-            workers=workers,
-            cluster=cluster,
-            until=until,
-            tolerance=tolerance,
-            estimate=estimate,
-            signals=signals,
-            points=points,
-            save=path,
-            replace=replace,
-            progress=samples_bar,
-        )
+        path = save or usual_file(scene, options, "study.h5")
+        found = fanfold.study(scene, vary, **options, save=path, replace=replace, progress=samples_bar)
     pictures = found.plot_all(plot) if plot else []
     if as_json:
         click.echo(json.dumps({**_content(found), "pictures": [str(one) for one in pictures]}))
@@ -274,23 +197,21 @@ def _tail(name: str, room: int) -> str:
 
 def _shares(study: Study) -> Table | None:
     """Table of shares of variance, if the samples determine them."""
-    from rich.table import Table
+    from .tables import table_of
 
-    table = Table(title="share of variance by parameter, in %: alone / with interactions")
-    table.add_column("number")
-    for name in study.parameters:
-        table.add_column(name, justify="right")
+    rows = []
     for number in study.main_numbers:
         moved = study.influence(number)
         if moved is not None and moved.shares is not None:
             pairs = (moved.shares[name] for name in study.parameters)
-            table.add_row(number, *(f"{100 * alone:.1f} / {100 * total:.1f}" for alone, total in pairs))
-    return table if table.row_count else None
+            rows.append((number, *(f"{100 * alone:.1f} / {100 * total:.1f}" for alone, total in pairs)))
+    title = "share of variance by parameter, in %: alone / with interactions"
+    return table_of(title, ("number", *study.parameters), rows, ("number",)) if rows else None
 
 
 def _table(study: Study, width: int) -> Table:
     """Headline numbers in at most so many columns, each with the key that it is most sensitive to."""
-    from .tables import plain_table
+    from .tables import table_of
 
     # designs of worst cases have no quantiles, but a worst case
     spread = ("5 %", "median", "95 %") if study.plan.is_random else ("lowest", "sample", "highest", "sample")
@@ -304,14 +225,9 @@ def _table(study: Study, width: int) -> Table:
         max(map(len, column)) for column in zip(headings[:-1], *(row[:-1] for row in rows), strict=True)
     ]
     room = max(_LEAST_ROOM, width - sum(widths) - 2 * len(headings))
-    runs = int(study.finished.sum())
-    table = plain_table(f"{study.scene}: {runs} runs, {', '.join(study.parameters)}")
-    for heading in headings:
-        justify: Literal["left", "right"] = "right" if heading in spread else "left"
-        table.add_column(heading, justify=justify, no_wrap=heading != "number")
-    for row in rows:
-        table.add_row(*row[:-1], _tail(row[-1], room))
-    return table
+    title = f"{study.scene}: {int(study.finished.sum())} runs, {', '.join(study.parameters)}"
+    cells = ((*row[:-1], _tail(row[-1], room)) for row in rows)
+    return table_of(title, headings, cells, ("number", "unit", _SENSITIVE))
 
 
 def _spread(study: Study, name: str) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from rich.box import SIMPLE_HEAD
@@ -30,9 +30,29 @@ class Column(NamedTuple):
         return max(map(len, (*self.heading.split("\n"), *self.cells)))
 
 
-def plain_table(title: str | None) -> Table:
-    """A table without vertical lines, which leaves the most room for numbers."""
-    return Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+def table_of(
+    title: str | None,
+    headings: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    left: Collection[str] = (),
+    whole: Collection[str] = (),
+) -> Table:
+    """A table without vertical lines, which leaves the most room for numbers.
+
+    Numbers are right-aligned and never cut off; texts, below the headings in `left`, are folded, but for those in
+    `whole`.
+    """
+    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    cells = [*rows]
+    for k, heading in enumerate(headings):
+        if heading in left:
+            table.add_column(heading, overflow="fold", no_wrap=heading in whole)
+        else:
+            longest = max(map(len, (*heading.split(), *(row[k] for row in cells))), default=0)
+            table.add_column(heading, justify="right", min_width=longest)
+    for row in cells:
+        table.add_row(*row)
+    return table
 
 
 def tables_that_fit(
@@ -42,19 +62,15 @@ def tables_that_fit(
     part: list[Column] = []
     for column in columns:
         if part and 1 + sum(2 + one.width for one in (*fixed, *part, column)) > width:
-            yield _table(title, [*fixed, *part])
+            yield _of_columns(title, [*fixed, *part])
             part = []
         part.append(column)
-    yield _table(title, [*fixed, *part])
+    yield _of_columns(title, [*fixed, *part])
 
 
-def _table(title: str, columns: Sequence[Column]) -> Table:
-    table = plain_table(title)
-    for column in columns:
-        table.add_column(column.heading, justify="right", no_wrap=True)
-    for row in zip(*(column.cells for column in columns), strict=True):
-        table.add_row(*row)
-    return table
+def _of_columns(title: str, columns: Sequence[Column]) -> Table:
+    rows = zip(*(column.cells for column in columns), strict=True)
+    return table_of(title, [column.heading for column in columns], rows)
 
 
 def headline_tables(found: Headline, *, every: bool) -> Iterator[Table]:
@@ -66,34 +82,26 @@ def headline_tables(found: Headline, *, every: bool) -> Iterator[Table]:
     if lines := line_rows(found):
         columns = zip(LINE_HEADINGS, *lines, strict=True)
         # a column for impulses only where there are locks
-        named, *others = (column for column in columns if not {*column[1:]} <= {"-"} or column[0] == "line")
-        table = plain_table(title)
-        table.add_column(named[0], no_wrap=True)
-        for heading, *_ in others:
-            table.add_column(heading, justify="right")
-        for row in zip(named[1:], *(cells for _, *cells in others), strict=True):
-            table.add_row(*row)
-        yield table
+        shown = [column for column in columns if not {*column[1:]} <= {"-"} or column[0] == "line"]
+        yield table_of(
+            title,
+            [heading for heading, *_ in shown],
+            zip(*(cells for _, *cells in shown), strict=True),
+            ("line",),
+        )
         title = None
-    table = plain_table(title)
+    table = table_of(
+        title, ("quantity", "value", "unit", "of"), short_rows(found), ("quantity", "value", "unit", "of")
+    )
     table.show_header = False
-    for heading in ("quantity", "value", "unit", "of"):
-        table.add_column(heading, no_wrap=heading != "of")
-    for row in short_rows(found):
-        table.add_row(*row)
     yield table
 
 
 def _whole_table(title: str | None, found: Headline) -> Table:
-    table = plain_table(title)
-    table.add_column("quantity")
-    table.add_column("of")
-    table.add_column("value", justify="right", min_width=7)
-    table.add_column("unit")
-    if found.estimated_errors:
-        table.add_column("estimated error", justify="right")
+    headings = ["quantity", "of", "value", "unit", *["estimated error"] * bool(found.estimated_errors)]
+    rows = []
     previous = ""
     for quantity, *cells in headline_rows(found):
-        table.add_row("" if quantity == previous else quantity, *cells[: len(table.columns) - 1])
+        rows.append(["" if quantity == previous else quantity, *cells[: len(headings) - 1]])
         previous = quantity
-    return table
+    return table_of(title, headings, rows, ("quantity", "of", "unit"))

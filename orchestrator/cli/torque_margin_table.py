@@ -12,25 +12,23 @@ from ..analysis.torque_margin.restart import CaseRestart, Restart
 from ..analysis.torque_margin.rules import LIMIT, RULE_TEXTS, Found, Margins
 from ..results.round_off import noise_floor
 from ..scene.units import degrees_text
-from .tables import plain_table
+from .tables import table_of
 
 
 def margin_table(found: TorqueMargin) -> Table:
     """Every line, case and rule at its worst angle, in the order of the scene's lines."""
-    table = plain_table(
-        f"torque margin at the worst angle, limit {LIMIT:g}\n{found.factors} factors, {found.friction} friction"
+    title = f"torque margin at the worst angle, limit {LIMIT:g}\n{found.factors} factors, {found.friction} friction"
+    left = ("line", "case", "rule", "verdict")
+    headings = (*left[:3], "margin", "at,\ndeg", "driving,\nN.m", "resisting,\nN.m", "verdict")
+    lines = list(dict.fromkeys(one.line for one in found.lines))
+    rows = (
+        (one.line, one.case, rule.rule, *_margin_cells(one, rule))
+        for one in sorted(found.lines, key=lambda one: lines.index(one.line))
+        for rule in one.margins
     )
-    for name in ("line", "case", "rule"):
-        table.add_column(name)
-    for name in ("margin", "at,\ndeg", "driving,\nN.m", "resisting,\nN.m"):
-        table.add_column(name, justify="right", min_width=5)
-    table.add_column("verdict")
+    table = table_of(title, headings, rows, left)
     table.caption = "\n".join(f"{rule} rule: {text}" for rule, text in RULE_TEXTS.items())
     table.caption_justify = "left"
-    lines = list(dict.fromkeys(one.line for one in found.lines))
-    for one in sorted(found.lines, key=lambda one: lines.index(one.line)):
-        for rule in one.margins:
-            table.add_row(one.line, one.case, rule.rule, *_margin_cells(one, rule))
     return table
 
 
@@ -100,19 +98,16 @@ def sentences_without_margin(cases: Mapping[str, Mapping[str, str]]) -> list[str
 
 def restart_table(runs: Sequence[CaseRestart]) -> Table:
     """Every line of every restart."""
-    table = plain_table("restarts from rest")
-    for name in ("case", "stopped\nat", "line"):
-        table.add_column(name)
-    for name in ("start,\ndeg", "end,\ndeg", "fastest,\ndeg/s", "opened\nafter, s"):
-        table.add_column(name, justify="right", min_width=6)
-    table.add_column("verdict")
+    left = ("case", "stopped\nat", "line", "verdict")
+    headings = (*left[:3], "start,\ndeg", "end,\ndeg", "fastest,\ndeg/s", "opened\nafter, s", "verdict")
+    rows = []
     for run in runs:
         for line in run.lines:
             after = "-" if line.opened_at is None else f"{line.opened_at:.4f}"
             start, end = degrees_text(line.start, 2), degrees_text(line.end, 2)
             fastest = f"{np.rad2deg(line.fastest):.3g}"
-            table.add_row(run.case, run.position, line.line, start, end, fastest, after, _verdict(line))
-    return table
+            rows.append((run.case, run.position, line.line, start, end, fastest, after, _verdict(line)))
+    return table_of("restarts from rest", headings, rows, left)
 
 
 def _verdict(line: Restart) -> str:

@@ -1,9 +1,10 @@
-"""Types of option values: numbers in a range, counts, quantities with a unit, files of pictures."""
+"""Types of option values: numbers with units in a range, counts, lists of numbers, names, files of pictures."""
 
 from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,59 +21,49 @@ _PICTURES = (".png", ".pdf", ".svg")
 def _range(low: float | None, high: float | None, low_open: bool) -> str:
     """Bounds for help and refusals; nothing where there are none."""
     if low is None:
-        return "" if high is None else f"x<={_short(high)}"
+        return "" if high is None else f"x<={short(high)}"
     if high is None:
-        return f"x{'>' if low_open else '>='}{_short(low)}"
-    return f"{_short(low)}{'<' if low_open else '<='}x<={_short(high)}"
+        return f"x{'>' if low_open else '>='}{short(low)}"
+    return f"{short(low)}{'<' if low_open else '<='}x<={short(high)}"
 
 
-def _short(number: float) -> str:
+def short(number: float) -> str:
     """In as few characters as it takes: 1e-7, not 1e-07."""
     return re.sub(r"e\+?(-?)0*", r"e\1", f"{number:g}")
 
 
 class Number(click.FloatRange):
-    """A number in a range; "nan" and "inf" are none."""
+    """A number in a range, plain or with its unit, such as 8ms; "nan" and "inf" are none.
+
+    Angles and stiffnesses of hinges need their unit. words: texts that are accepted as they are.
+    """
 
     name = "number"
 
+    def __init__(self, unit: str = "1", words: Sequence[str] = (), **bounds: Any) -> None:  # noqa: ANN401 - of click
+        super().__init__(**bounds)
+        self._unit, self._words = unit, words
+
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
-        """The number, or click's own refusal."""
+        """The number in its SI unit, a word, or click's own refusal."""
+        from ..scene.units import QUANTITY, UNITS, to_si  # takes its time, which --help need not
+
+        if value in self._words:
+            return value
+        if isinstance(value, str) and "rad" in self._unit:
+            value = given_quantity(value, self._unit, "it")
+        elif (
+            isinstance(value, str) and (found := QUANTITY.fullmatch(value)) and found[2] in UNITS[self._unit]
+        ):
+            try:
+                value = to_si(f"{found[1]} {found[2]}", self._unit)
+            except ValueError as error:
+                self.fail(f"{value!r}: it {error}.", param, ctx)
         number = super().convert(value, param, ctx)
         return number if isfinite(number) else self.fail(f"{value} is not a finite number.", param, ctx)
 
     def _describe_range(self) -> str:
         return _range(self.min, self.max, self.min_open)
-
-
-class Seconds(Number):
-    """A time in a range, a plain number or one with its unit, such as 8ms."""
-
-    name = "number of seconds"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
-        """Seconds, or click's own refusal."""
-        from ..scene.units import QUANTITY, UNITS, to_si  # takes its time, which --help need not
-
-        if isinstance(value, str) and (found := QUANTITY.fullmatch(value)) and found[2] in UNITS["s"]:
-            try:
-                value = to_si(f"{found[1]} {found[2]}", "s")
-            except ValueError as error:
-                self.fail(f"{value!r}: it {error}.", param, ctx)
-        return super().convert(value, param, ctx)
-
-
-class Spacing(Seconds):
-    """Seconds between rows, None where "all" are meant."""
-
-    name = "spacing in seconds"
-
-    def __init__(self) -> None:
-        super().__init__(min=0.0, min_open=True)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
-        """Seconds, None, or click's own refusal."""
-        return None if value == "all" else super().convert(value, param, ctx)
 
 
 class Count(click.IntRange):
@@ -82,6 +73,30 @@ class Count(click.IntRange):
 
     def _describe_range(self) -> str:
         return _range(self.min, self.max, self.min_open)
+
+
+class Several(click.ParamType[Any]):
+    """Values of one type with commas between."""
+
+    def __init__(self, kind: click.ParamType[Any]) -> None:
+        self.name, self._kind = kind.name, kind
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """The values, or a refusal."""
+        given = value.split(",") if isinstance(value, str) else value
+        return tuple(self._kind.convert(one, param, ctx) for one in given)
+
+
+class Choice(click.Choice[str]):
+    """One of some words, each of which stands for a value."""
+
+    def __init__(self, values: Mapping[str, object]) -> None:
+        super().__init__([*values])
+        self._values = values
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """The value, or click's own refusal."""
+        return value if value in self._values.values() else self._values[super().convert(value, param, ctx)]
 
 
 class OutputFile(click.Path):
@@ -108,6 +123,20 @@ class Picture(OutputFile):
         if Path(str(path)).suffix.lower() not in _PICTURES:
             self.fail(f"{value!r} must end with {', '.join(_PICTURES[:-1])} or {_PICTURES[-1]}.", param, ctx)
         return path
+
+
+def ordered_names(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    """Names with commas between, in their order, of an option that may be given several times."""
+    return tuple(name.strip() for value in values for name in value.split(",") if name.strip())
+
+
+def names_given(
+    context: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> tuple[str, ...] | None:
+    """Names of an option where leaving it out is not the same as naming none."""
+    if values and not (found := ordered_names(context, param, values)):
+        raise click.BadParameter("give names, separated by commas, or all or none", param=param)
+    return found if values else None
 
 
 def given_quantity(text: str, unit: str, what: str, sign: Sign = "any") -> float:

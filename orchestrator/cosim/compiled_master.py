@@ -66,7 +66,6 @@ class CompiledMaster(Master):
         signals: Sequence[SignalProcess] = (),
     ) -> None:
         super().__init__(network, hinge_lines, recorder, settings, events, signals)
-        self._rates: dict[str, float] = {}
         if isinstance(self.solver, NativeSolver):
             self._steps, self._planned_steps = np.zeros(_MOST_STEPS), np.zeros(_MOST_STEPS)
             self._start = np.zeros(len(Energies._fields))
@@ -106,7 +105,7 @@ class CompiledMaster(Master):
             stop, solution = solver.follow(self._loop)
         finally:
             self._pace(perf_counter() - begun)
-            self._take(solver, [(crossing.before, crossing.rate) for crossing in crossings])
+            self._take(solver, [crossing.before for crossing in crossings])
             self._strikes.before[self._strikes.waiting] = [-strike.before for strike in strikes]
         if stop == Stop.PAUSED and self._loop.made:
             h = self.segments[-1][-1]
@@ -154,7 +153,7 @@ class CompiledMaster(Master):
         loop, told = self._loop, self._strikes
         waiting = zip(told.places[told.waiting].tolist(), told.before[told.waiting].tolist(), strict=True)
         strikes = [
-            Crossing(_address(self.solver.observations, place), 0.0, 1.0, -before, 0.0)
+            Crossing(_address(self.solver.observations, place), 0.0, 1.0, -before)
             for place, before in waiting
         ]
         memory = (Crossing * len(strikes))(*strikes)
@@ -165,11 +164,9 @@ class CompiledMaster(Master):
         array, place, value, scale = (
             self._scheduled.where(one) if isinstance(one, Event) else (*self._sensors[one.name], 0.0, -1.0)
         )
-        return Crossing(
-            _address(array, place), value, scale, self._before[one.name], self._rates.get(one.name, 0.0)
-        )
+        return Crossing(_address(array, place), value, scale, self._before[one.name])
 
-    def _take(self, solver: NativeSolver, distances: Sequence[tuple[float, float]]) -> None:
+    def _take(self, solver: NativeSolver, distances: Sequence[float]) -> None:
         """Stand where the loop stopped."""
         loop = self._loop
         self._block.end(loop.rows)
@@ -179,8 +176,7 @@ class CompiledMaster(Master):
         self.statistics.rejected += loop.rejected
         self.segments[-1].extend(self._steps[: loop.made].tolist())
         names = [one.name for one in self._awaited()]
-        self._before = {name: last for name, (last, _) in zip(names, distances, strict=True)}
-        self._rates = {name: rate for name, (_, rate) in zip(names, distances, strict=True)}
+        self._before = dict(zip(names, distances, strict=True))
         self._energies = solver.energies
 
 

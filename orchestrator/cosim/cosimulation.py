@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from components.contract.roles import HOLD, OF_THE_MASTER
+from components.contract.roles import HOLD
 
 from ..assembly import Event, HingeLine, bolted_hinges
+from ..assembly.statics.connection_at_rest import LEADING, LEADING_STEP
 from .energy_balance import Energies
 from .events.scheduled import ScheduledEvents
 from .implicit.solver import Solver
@@ -20,7 +21,6 @@ from .participant import ParticipantError, Vector
 from .rows import Recorder, Rows
 from .signals.exchange import SignalExchange
 from .signals.process import SignalProcess
-from .static_search import DURATION, StaticSearch
 
 SCENE_CHANNELS = (
     ("step_size", "s", "Communication step size that led here"),
@@ -35,17 +35,12 @@ SCENE_CHANNELS = (
 
 @dataclass(slots=True)
 class Statistics:
-    """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made.
-
-    restless: what does not start at
-    rest though it should, a sentence, empty where all does.
-    """
+    """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made."""
 
     steps: int = 0
     sweeps: int = 0
     rejected: int = 0
     fmu_time: float = 0.0
-    restless: str = ""
 
 
 class CoSimulation(ABC):
@@ -81,9 +76,9 @@ class CoSimulation(ABC):
         self._rows = Rows(recorder, network.participants, solver.observations, self._scene, coarse, loaded)
 
     def initialize(self, *, preload: bool) -> None:
-        """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held.
+        """Bring every participant to t = 0.
 
-        `Statistics.restless` describes an equilibrium that is not exact.
+        With preload bodies start in static equilibrium with all hinges held, and connections are led there.
         """
         network = self.network
         for participant in network.participants:
@@ -92,14 +87,14 @@ class CoSimulation(ABC):
         for body in network.bodies:
             body.write()
             body.read()
-        network.carry_motion()
-        for connection in network.connections:
-            connection.write()
+        if not preload:
+            network.carry_motion()
         for participant in network.participants:
-            participant.initialize(-DURATION if preload else 0.0)
+            leads = preload and participant in network.connections
+            participant.initialize(-LEADING * LEADING_STEP if leads else 0.0)
             participant.read()
         if preload:
-            self._seek_equilibrium()
+            self._lead_connections()
         self._energy_start = self._observe()
         if holding := self._scheduled.holding():
             raise ParticipantError("; ".join(holding))
@@ -120,27 +115,26 @@ class CoSimulation(ABC):
         """Time (s) of the next event that has one, or communication point of an FMU with signals."""
         return min(self._scheduled.next_time, self._signals.next_time)
 
-    def _seek_equilibrium(self) -> None:
-        """Static equilibrium of the participants with all hinges held but those that hold-downs or drives keep."""
-        solver = self.solver
-        changed = [
-            (p, one.name, float(p.parameter_layout.start_values()[p.parameter_layout[one.name]][0]))
-            for p in self.network.participants
-            for one in OF_THE_MASTER
-            if one.name in p.parameter_layout
-        ]
-        for participant, name, _ in changed:
-            participant.set_parameter(name, 1.0)
+    def _lead_connections(self) -> None:
+        """Have connections remember that they rest: from where they were built to where the bodies are, and on there.
+
+        Hinges are held but those that hold-downs or drives keep, and clocks stand.
+        """
+        network, accepted = self.network, self.solver.accepted
         self._command(HOLD.name, 1.0)
         self._command(HOLD.name, 0.0, self._bolted)
-        solver.mode = "static"
-        solver.save(-DURATION)
-        self.statistics.restless = StaticSearch(solver).run()
-        for participant, name, normal in changed:
-            participant.set_parameter(name, normal)
+        network.carry_motion()
+        for step in range(-LEADING, 0):
+            for connection in network.connections:
+                connection.write()
+                connection.do_step(step * LEADING_STEP, LEADING_STEP)
+        for connection in network.connections:
+            connection.read()
+        network.collect_wrenches(accepted)
+        network.set_wrenches(accepted)
+        for body in network.bodies:
+            body.write()
         self._command(HOLD.name, 0.0)
-        solver.mode = "dynamic"
-        solver.forget()
 
     def _found_sensors(self) -> dict[str, tuple[Vector, int]]:
         """Outputs, and the place among them, that tell how far each line is from its latch."""

@@ -65,9 +65,6 @@ class ExplicitMaster(CoSimulation):
                 f"{', '.join(locks)}: an explicit master cannot solve for a kinematic latch; assemble "
                 "the scene for endpoint wrenches, or use the implicit master"
             )
-        fixed = [p.name for p in self.network.participants if not p.can_restore]
-        if preload and fixed:
-            raise StepError(f"static preload needs FMUs that can return to a saved state; {fixed[0]} cannot")
         super().initialize(preload=preload)
         self._exchange()
 
@@ -100,7 +97,7 @@ class ExplicitMaster(CoSimulation):
                 self._engage(line)
 
     def _engage(self, line: HingeLine) -> None:
-        self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
+        self.recorder.event(self.time, line.sensor, line.latch_event)
         self._pending.remove(line)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
 

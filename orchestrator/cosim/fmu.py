@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 from collections import deque
 from collections.abc import Collection, Mapping, Sequence
-from copy import copy
 from ctypes import (
     POINTER,
     addressof,
@@ -107,7 +106,7 @@ class FmuParticipant:
         self._last_words = ""
         self._time = 0.0
         self._saved = c_void_p()
-        self._folder, self._owns_folder = Path(mkdtemp(dir=process_folder())), True
+        self._folder = Path(mkdtemp(dir=process_folder()))
         try:
             self._load(start or {}, unpack(path, self._folder))
         except ParticipantError:
@@ -156,33 +155,6 @@ class FmuParticipant:
         self._start = start
         self._set_up()
 
-    def another(self, start: Mapping[str, float | Sequence[float]]) -> FmuParticipant:
-        """One more instance of the same loaded file, with other start values of parameters and inputs.
-
-        It is closed before this one. ParticipantError where this one has a process of its own.
-        """
-        if isinstance(self._fmu, IsolatedFmu):
-            raise ParticipantError(f"{self.name}: has a process of its own, which holds one instance")
-        other = copy(self)
-        other._messages, other._last_words, other._saved = deque(maxlen=1), "", c_void_p()
-        other._owns_folder = False
-        for name in ("inputs", "outputs", "_observations"):
-            setattr(other, name, getattr(self, name).copy())
-        other._write_arguments, other._read_arguments, other._observe_arguments = (
-            (*arguments[:2], values.ctypes.data_as(POINTER(c_double)))
-            for arguments, values in (
-                (self._write_arguments, other.inputs),
-                (self._read_arguments, other.outputs),
-                (self._observe_arguments, other._observations),
-            )
-        )
-        other._fmu = copy(self._fmu)
-        other._start_instance(other._fmu)
-        other._component = other._fmu.component
-        other.calls = other._record()
-        other.reset(start)
-        return other
-
     def _instance_here(self, description: Any) -> FMU2Slave:  # noqa: ANN401
         fmu = FMU2Declared(
             guid=description.guid,
@@ -190,14 +162,11 @@ class FmuParticipant:
             unzipDirectory=str(self._folder),
             instanceName=self.name,
         )
-        self._start_instance(fmu)
-        return fmu
-
-    def _start_instance(self, fmu: FMU2Slave) -> None:
         self._callbacks = fmi2CallbackFunctions(
             fmi2CallbackLoggerTYPE(self._log), Allocate(calloc), Free(free)
         )
         fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        return fmu
 
     def _set_up(self) -> None:
         """From a new instance, or one that was reset, into initialization mode."""
@@ -434,8 +403,7 @@ class FmuParticipant:
             else:
                 self._fmu.dll.fmi2FreeInstance(self._component)
             self._component = None
-        if self._owns_folder:
-            shutil.rmtree(self._folder, ignore_errors=True)
+        shutil.rmtree(self._folder, ignore_errors=True)
 
 
 def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any]:

@@ -22,7 +22,6 @@ from .events.load_error_weights import JudgedLoads
 from .events.post_event_rows import PostEventRows, instant_of
 from .implicit.convergence import Solution, Tolerance
 from .implicit.impulse import impulse
-from .implicit.native_solver import NativeSolver
 from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
 from .network import Network
@@ -36,9 +35,6 @@ from .stepping import ErrorEstimate, StepError, StepSizes, SubdividedStep, failu
 class Master(CoSimulation):
     """Couples the participants of a network implicitly and follows them through time."""
 
-    native_solver = NativeSolver
-    """What solves its steps where all participants can be called."""
-
     def __init__(
         self,
         network: Network,
@@ -49,7 +45,7 @@ class Master(CoSimulation):
         signals: Sequence[SignalProcess] = (),
     ) -> None:
         iterated = stepping.iterated(hinge_lines, network.order).of(settings.tolerance)
-        solver = solver_for(network, Tolerance.beside(settings.driving.load, iterated), self.native_solver)
+        solver = solver_for(network, Tolerance.beside(settings.driving.load, iterated))
         super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self._events = {event.name: event for event in events}
         self.settings = settings
@@ -365,7 +361,7 @@ class Master(CoSimulation):
         elif self.settings.fixed_step is None:
             roughness = self._roughness()
         for one in lines:
-            self.recorder.event(self.time, one.sensor, f"{one.name} latch-up")
+            self.recorder.event(self.time, one.sensor, one.latch_event)
         size = min(self._engage(one) for one in lines)
         self.solver.forget()
         if line.kinematic:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
-from math import degrees
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from math import degrees, inf, isfinite
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -16,29 +16,16 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 from ..assembly import HingeLine
 from ..messages import is_note, message
 from ..records import short_repr
-from .crests import Peak
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
-from .estimated_errors import (
-    POINT_PEAKS,
-    Key,
-    error_messages,
-    estimated_errors,
-    round_off_of_loads,
-    tabulated_errors,
-    unknown_errors,
-)
+from .estimated_errors import POINT_PEAKS, Key, error_messages, round_off_of_loads
 from .identifiers import identifier, load_words
 from .latch_impulse import latch_impulses
 from .latch_rate import latch_energies, latch_rates
 from .line_travel import (
     Overrun,
     ShortOf,
-    bent,
-    beyond_tables,
-    folded_back,
     has_motor,
     overruns,
-    pressed_stops,
     reached_stops,
     short_of_deployed,
     short_of_stops,
@@ -87,6 +74,11 @@ class Number(NamedTuple):
         return {"value": self.value, "unit": self.unit, "estimated_error": self.error}
 
 
+ERRORS_UNKNOWN = message(
+    "W-error-unknown",
+    "No errors could be estimated: the coarser run that shows them does not reach the end. Run again with a smaller "
+    "--tolerance or --step.",
+)
 UNLATCHED = "final angle, not latched"
 """Headline number of a line with a latch that has not latched."""
 
@@ -101,15 +93,11 @@ class Headline:
     latch that passed their deployed angle. short_of_deployed: such lines that never came to it, motors_short: those of
     them that a motor opens. short_of_stops: lines that an end stop alone ends and that never came to it;
     reached_stops: when (s) such lines came to it.
-    pressed_stops: how far (rad) and when (s) lines went beyond one that gave way like none. folded_back: how far (rad)
-    and when (s) lines with a latch or an end stop went furthest behind where they started. beyond_tables: the angle
-    (rad) furthest beyond the tables of a line's motor and harness, and when. bent: how far (rad) and when
-    lines turned furthest about other axes than their own, where that is more than any hinge does.
     latch_rates: size of each line's rate just before its latch-up, rad/s; latch_energies: kinetic energy that the latch
     takes up, J, see `latch_energies`.
-    latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
-    lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
-    latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
+    latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line. latch_impulses: of locks, which are
+    kinematic latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing.
+    interface_*_peaks:
     magnitude of each component (x, y, z) of what all ports bring onto the base, about its origin in its axes; its own
     inertia is no part of it. port_*_peaks: magnitude of the vector at each of its ports, by name, torques about the
     port; hinge_*_peaks: the same at each hinge between other bodies, on the outboard one. attitude_peaks (rad),
@@ -121,8 +109,8 @@ class Headline:
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
     numerical_dissipation and energy_residual (largest, over energy_exchanged; None where there is none): see
-    `energy_ledger`. messages: warnings and notes on what is not as the tolerance promises.
-    estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
+    `energy_ledger`. energy_messages: warnings about their balance. tolerance: requested; refined_tolerance: that of a
+    repetition; None without. fixed_step: whether steps do not follow from it. estimated_errors: see `Result`.
     """
 
     complete: bool
@@ -132,7 +120,6 @@ class Headline:
     overruns: Mapping[str, Overrun]
     latch_torque_peaks: Mapping[str, float]
     latch_impulses: Mapping[str, float]
-    peaks_at_end: tuple[str, ...]
     interface_force_peaks: tuple[float, ...]
     interface_torque_peaks: tuple[float, ...]
     torque_peaks: Mapping[str, Mapping[str, float]]
@@ -142,15 +129,14 @@ class Headline:
     energy_exchanged: float
     numerical_dissipation: float
     energy_residual: float | None
-    messages: tuple[str, ...] = ()
-    estimated_errors: Mapping[Key, float] = field(default_factory=dict)
-    folded_back: Mapping[str, Peak] = field(default_factory=dict)
-    beyond_tables: Mapping[str, Peak] = field(default_factory=dict)
-    bent: Mapping[str, Peak] = field(default_factory=dict)
+    energy_messages: tuple[str, ...] = ()
+    tolerance: float | None = None
+    refined_tolerance: float | None = None
+    fixed_step: bool = False
+    estimated_errors: Mapping[Key, float] | None = None
     short_of_deployed: Mapping[str, ShortOf] = field(default_factory=dict)
     motors_short: tuple[str, ...] = ()
     short_of_stops: Mapping[str, ShortOf] = field(default_factory=dict)
-    pressed_stops: Mapping[str, Peak] = field(default_factory=dict)
     port_force_peaks: Mapping[str, float] = field(default_factory=dict)
     port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
     hinge_force_peaks: Mapping[str, float] = field(default_factory=dict)
@@ -188,69 +174,38 @@ class Headline:
         numbers: value, unit and estimated error of every headline number, by its identifier.
         """
         found = {"verdict": self.verdict, **asdict(self), "warnings": self.warnings}
-        del found["estimated_errors"], found["messages"]
+        for name in ("estimated_errors", "energy_messages", "tolerance", "refined_tolerance", "fixed_step"):
+            del found[name]
         return {**found, "numbers": {number.id: number.as_dict() for number in self.numbers()}}
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """Warnings and notes about numbers that are less accurate than the tolerance promises."""
+        if self.estimated_errors is None:
+            return self.energy_messages
+        if not self.estimated_errors:
+            return (*self.energy_messages, ERRORS_UNKNOWN)
+        numbers = [(number.key, number.value) for number in self._bare_numbers()]
+        of_errors = error_messages(
+            numbers,
+            self.estimated_errors,
+            self.tolerance,
+            self.refined_tolerance,
+            fixed_step=self.fixed_step,
+        )
+        return (*self.energy_messages, *of_errors)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Messages on numbers that are less accurate than an engineer expects."""
         return tuple(one for one in self.messages if not is_note(one))
 
-    def open_ends(self) -> Iterator[str]:
-        """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
-        for line, standing in self.not_opened.items():
-            went = (
-                ""
-                if line in self.unlatched_angles
-                else f" (largest angle {degrees(standing.largest):.2f} deg)"
-            )
-            yield message(
-                "W-not-opened",
-                f"{line} {standing.missing}{went}. At {self.end_time:g} s it {standing.state}.",
-            )
-        for line, passed in self.overruns.items():
-            yield message(
-                "W-no-end",
-                f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
-                f"{passed.passed_at:.4g} s: largest angle {degrees(passed.largest):.2f} deg, at {self.end_time:g} s "
-                f"{degrees(passed.last):.2f} deg. Add a latch or an end_stop.",
-            )
-        for line, depth in self.pressed_stops.items():
-            yield message(
-                "W-stop-pressed",
-                f"{line} moved {degrees(depth.value):.0f} deg beyond its end stop at {depth.time:.4g} s. Check the "
-                "stiffness of end_stop.",
-            )
-        for line, back in self.folded_back.items():
-            yield message(
-                "W-folded-back",
-                f"{line} folded back {degrees(back.value):.1f} deg behind its start angle at {back.time:.4g} s. Add a "
-                "contact or a hold_down where bodies would touch.",
-            )
-        for line, stood in self.beyond_tables.items():
-            yield message(
-                "W-table-range",
-                f"{line} reached {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
-                "or harness, whose last slopes are extrapolated. Extend the tables, or limit the travel of the line.",
-            )
-        for line, bend in self.bent.items():
-            yield message(
-                "W-bent",
-                f"the hinges of {line} bent across their line by {degrees(bend.value):.0f} deg at {bend.time:.4g} s, "
-                "beyond the small angles of their springs. Check cross_stiffness and rotational_stiffness, and whether "
-                "a line with one hinge can carry its load.",
-            )
-        for line in self.peaks_at_end:
-            yield message(
-                "W-peak-at-end",
-                f"the latch torque of {line} is largest at the end of the run, {self.end_time:g} s. Run longer to "
-                "include its peak.",
-            )
-
     def numbers(self) -> Iterator[Number]:
         """Every number in a row of its own, with its estimated error where there is one."""
+        errors = self.estimated_errors or {}
         for number in self._bare_numbers():
-            yield number._replace(error=self.estimated_errors.get(number.key))
+            error = errors.get(number.key, inf)
+            yield number._replace(error=error if isfinite(error) else None)
 
     def _bare_numbers(self) -> Iterator[Number]:
         yield Number("end time", "", self.end_time, "s")
@@ -323,7 +278,7 @@ def headline(result: Result) -> Headline:
         if line.name in times
     }
     last = max(times.values(), default=float(result.time[-1]))
-    ledger, errors, at_points = energy_ledger(result), estimated_errors(result), _peaks_at_points(result)
+    ledger, at_points = energy_ledger(result), _peaks_at_points(result)
     short, unlatched, stops = (
         short_of_deployed(result),
         unlatched_angles(result, times),
@@ -331,27 +286,22 @@ def headline(result: Result) -> Headline:
     )
     motors_short = tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x))
     rates, impulses = latch_rates(result, times), latch_impulses(result, times)
-    found = Headline(
+    return Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
         latch_times=times,
         unlatched_angles=unlatched,
         not_opened=not_opened(result, _missing(unlatched, {x: short[x] for x in motors_short}, stops)),
         overruns=overruns(result),
-        folded_back=folded_back(result),
-        beyond_tables=beyond_tables(result),
-        bent=bent(result),
         short_of_deployed=short,
         motors_short=motors_short,
         short_of_stops=stops,
         reached_stops=reached_stops(result),
-        pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses=impulses,
         latch_rates=rates,
         latch_energies=latch_energies(result, times, rates, impulses),
         slack=slack_strands(result),
-        peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
         base_load_peaks={unit: _magnitude_peak(result, INTERFACE_LOAD, unit) for unit in ("N", "N.m")},
@@ -374,34 +324,17 @@ def headline(result: Result) -> Headline:
         energy_exchanged=ledger.exchanged if ledger else 0.0,
         numerical_dissipation=ledger.numerical if ledger else 0.0,
         energy_residual=ledger.relative_residual if ledger else None,
-        messages=ledger.warnings() if ledger else (),
-    )
-    numbers = [(number.key, number.value) for number in found.numbers()]
-    given, asked = "step" in result.provenance, tolerance_asked(result)
-    of_errors = error_messages(numbers, errors, asked, tolerance_taken(result), fixed_step=given)
-    return replace(
-        found,
-        messages=(*found.messages, *unknown_errors(result), *of_errors),
-        estimated_errors=_with_magnitudes(numbers, tabulated_errors(numbers, errors, asked)),
+        energy_messages=ledger.warnings() if ledger else (),
+        tolerance=tolerance_asked(result),
+        refined_tolerance=tolerance_taken(result),
+        fixed_step="step" in result.provenance,
+        estimated_errors=result.estimated_errors,
     )
 
 
 def magnitude_of(load: str) -> str:
     """What the headline calls the peak of a vector's magnitude."""
     return load.replace(" peak", " magnitude peak")
-
-
-def _with_magnitudes(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, float]) -> dict[Key, float]:
-    """The errors, and those of vector magnitudes, from the errors of components weighted by their share."""
-    found, values = dict(errors), dict(numbers)
-    for load in ("interface force peak", "interface torque peak"):
-        whole = values.get((magnitude_of(load), ""), 0.0)
-        parts = [(values.get(key, 0.0), error) for key, error in errors.items() if key[0] == load]
-        if parts and whole:
-            key = magnitude_of(load), ""
-            off = sum(min(1.0, (value + error) / whole) * error for value, error in parts)
-            found[key] = max(found.get(key, 0.0), off)
-    return found
 
 
 def _missing(
@@ -477,19 +410,13 @@ def round_off_floors(found: Headline) -> dict[str, float]:
 
 
 def latch_times(result: Result) -> dict[str, float]:
-    """First latch-up of each hinge line (s), from the events of the line or its hinges."""
+    """Time of latch-up of each hinge line (s)."""
     found: dict[str, float] = {}
     for line in result.hinge_lines:
-        names = {line.name, *line.hinges}
-        times = [time for time, name, text in result.events if name in names and is_latch_up(text)]
+        times = [time for time, _, text in result.events if text == line.latch_event]
         if times:
             found[line.name] = min(times)
     return found
-
-
-def is_latch_up(text: str) -> bool:
-    """Whether the text of an event reports a latch-up."""
-    return "latch" in text.lower() and "unlatch" not in text.lower()
 
 
 def line_latch_torque(result: Result, line: HingeLine) -> Vector:

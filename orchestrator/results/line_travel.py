@@ -1,4 +1,4 @@
-"""How hinge lines strayed in a run: past their deployed angle, behind their start, about other axes than their own."""
+"""How far hinge lines travelled: whether they reached their latch, stop or deployed angle, or passed it."""
 
 from __future__ import annotations
 
@@ -9,30 +9,16 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from components.contract.frames import rotated
 from components.end_stop import OF_HINGE
 
 from ..assembly import HingeLine
-from .crests import Peak
 from .result import Result
 from .signal import EVENT_WIDTH
 
 Vector = NDArray[np.float64]
 
-_FOLDED_BACK = radians(5.0)
-"""Further behind where a line started is where a folded stack has no room."""
-
 _GIVES_WAY = radians(1.0)
 """Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less, either way."""
-
-_PRESSED = radians(30.0)
-"""Further into an end stop is where it stops nothing."""
-
-_UNKNOWN = 0.2
-"""rad, further beyond the tables of a motor or a harness, and the line's way, is where what they go on by matters."""
-
-_BENT = radians(30.0)
-"""Rotations across a line that are no longer small: their sine is 5 % less."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,70 +128,3 @@ def reached_stops(result: Result) -> dict[str, float]:
         for name, _, depth in _ended_by_stops(result)
         if depth.max() >= 0.0
     }
-
-
-def pressed_stops(result: Result) -> dict[str, Peak]:
-    """How far (rad) lines, by name, went beyond an end stop that gave way like none."""
-    found = {}
-    for line in result.hinge_lines:
-        stop = line.sensor + OF_HINGE
-        if result.has(stop, "penetration") and result.has(stop, "in_contact"):
-            depth = result.signal(stop, "penetration") * result.signal(stop, "in_contact")
-            deepest = int(np.argmax(depth[rows_joined(result, line)]))
-            if depth[deepest] > _PRESSED:
-                found[line.name] = Peak(float(result.time[deepest]), float(depth[deepest]))
-    return found
-
-
-def folded_back(result: Result) -> dict[str, Peak]:
-    """How far (rad) lines with a latch or an end stop, by name, went behind their first angle, beyond play."""
-    found = {}
-    for line in result.hinge_lines:
-        ends = line.latches or result.has(line.sensor + OF_HINGE, "stop_torque")
-        if ends and result.has(line.sensor, "angle"):
-            angle = result.signal(line.sensor, "angle")[rows_joined(result, line)]
-            lowest = int(np.argmin(angle))
-            behind = float(angle[0] - angle[lowest])
-            if behind > _FOLDED_BACK:
-                found[line.name] = Peak(float(result.time[lowest]), behind)
-    return found
-
-
-def beyond_tables(result: Result) -> dict[str, Peak]:
-    """Angles (rad) furthest beyond what tables of their motors and harnesses tell, by line, where that is far."""
-    found = {}
-    for line in result.hinge_lines:
-        if line.known and result.has(line.sensor, "angle"):
-            low, high = line.known
-            angle = result.signal(line.sensor, "angle")[rows_joined(result, line)]
-            beyond = np.maximum(low - angle, angle - high)
-            furthest = int(np.argmax(beyond))
-            if beyond[furthest] > _UNKNOWN:
-                found[line.name] = Peak(float(result.time[furthest]), float(angle[furthest]))
-    return found
-
-
-def bent(result: Result) -> dict[str, Peak]:
-    """How far (rad) the axes of a line in both its bodies, by name, parted, where that is more than a hinge does.
-
-    Beams carry no one direction, so their lines are left out.
-    """
-    found = {}
-    for line in result.hinge_lines:
-        is_beam = any(result.has(part, "node_position") for part in line.parts)
-        if len(line.axis) == 3 and len(line.parts) == 2 and not is_beam:
-            inboard, outboard = (_carried(result, part, np.array(line.axis)) for part in line.parts)
-            apart = np.linalg.norm(inboard - outboard, axis=1)[rows_joined(result, line)]
-            largest = int(np.argmax(apart))
-            bend = 2.0 * float(np.arcsin(min(1.0, 0.5 * apart[largest])))
-            if bend > _BENT:
-                found[line.name] = Peak(float(result.time[largest]), bend)
-    return found
-
-
-def _carried(result: Result, part: str, direction: Vector) -> Vector:
-    """A direction (3,) that a part carries with it from the start on, shape (N, 3); a fixed base keeps it."""
-    if not result.has(part, "frame_orientation"):
-        return np.broadcast_to(direction, (result.time.size, 3))
-    turns = result.signal(part, "frame_orientation")
-    return rotated(turns, rotated(turns[0] * (1.0, -1.0, -1.0, -1.0), direction))

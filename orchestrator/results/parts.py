@@ -19,6 +19,9 @@ Scalar = float | int | str
 MESSAGES = "messages"
 """The text of the provenance that holds the messages of a run, as JSON."""
 
+ESTIMATED_ERRORS = "estimated_errors"
+"""Group with the estimated errors of headline numbers."""
+
 
 class Meaning(NamedTuple):
     """What a signal means: unit in FMI syntax, a sentence, and its role, see `components.contract.roles`."""
@@ -94,6 +97,18 @@ def events(folder: Any) -> list[Event]:  # noqa: ANN401
     _refuse(not np.all(np.abs(when) < _LARGEST), "the times of its events are not finite")
     rows = zip(when.tolist(), components, texts, strict=False)
     return [(time, printable(str(name)), printable(str(words))) for time, name, words in rows]
+
+
+def estimated_errors(file: Any) -> dict[tuple[str, str], float] | None:  # noqa: ANN401
+    """Estimated errors of headline numbers by quantity and component; None where the file has none."""
+    if ESTIMATED_ERRORS not in file:
+        return None
+    folder = file[ESTIMATED_ERRORS]
+    quantities, components = folder["quantity"].asstr()[:], folder["of"].asstr()[:]
+    found = _numbers(folder["error"][:], "the estimated errors", 1)
+    _refuse(not np.all(found >= 0.0), "its estimated errors are no numbers")
+    keys = zip(map(printable, quantities), map(printable, components), strict=True)
+    return dict(zip(keys, found.tolist(), strict=True))
 
 
 def text(dataset: Any) -> str:  # noqa: ANN401

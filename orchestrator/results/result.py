@@ -41,7 +41,9 @@ class Result:
 
     time: s, shape (N,), one row per communication point, events having two: before and after. events: time (s),
     component, what happened. statistics: scalars about the run. provenance: texts. geometry: by body, for pictures.
-    complete: the run came to its end.
+    complete: the run came to its end. estimated_errors: of headline numbers by quantity and component, in their units,
+    infinite where two runs disagree on whether it happens; empty where none could be estimated, None where none were
+    requested.
     """
 
     path: Path | None
@@ -56,6 +58,7 @@ class Result:
     _signals: Mapping[tuple[str, str], Vector] = field(repr=False, default_factory=dict)
     """of a result in memory"""
     _nouns: Mapping[str, str] = field(repr=False, default_factory=dict)
+    estimated_errors: Mapping[tuple[str, str], float] | None = field(repr=False, default=None)
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
@@ -78,6 +81,7 @@ class Result:
                     bool(file.attrs["complete"]),
                     {name: parts.catalogue(name, group) for name, group in file["signals"].items()},
                     _nouns={name: parts.noun(group) for name, group in file["signals"].items()},
+                    estimated_errors=parts.estimated_errors(file),
                 )
         except HDF5_ERRORS as error:
             raise ResultError(f"{path}: the result is damaged and cannot be read ({reason(error)})") from None

@@ -3,6 +3,7 @@
     /time                              s, one row per communication point (two at an event, before and after)
     /signals/<component>/<variable>    (N,) or (N, size), attributes `unit` and `description`
     /events/{time, component, event}   equally long
+    /estimated_errors/{quantity, of, error}  equally long; absent where none were requested
     /statistics                        attributes
     /provenance/<name>                 text
     /geometry/<body>/{positions, shapes, faces}
@@ -19,8 +20,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from threading import Event as Signal
@@ -37,7 +38,7 @@ from components.cache.room import reserve
 from ..assembly import Geometry, HingeLine
 from .columns import Column, ColumnMaker
 from .compact import compact
-from .parts import MESSAGES, Event, Scalar
+from .parts import ESTIMATED_ERRORS, MESSAGES, Event, Scalar
 from .recorder import SignalGroup
 from .result import FORMAT, FORMAT_VERSION, HDF5_ERRORS, Result, ResultError, Vector, reason
 
@@ -411,19 +412,37 @@ def save(result: Result, path: str | Path) -> Result:
             writer.event(*event)
         writer.statistics(result.statistics)
         writer.close(result.complete)
-    return writer.result()
+    found = writer.result()
+    return found if result.estimated_errors is None else with_errors(found, result.estimated_errors)
 
 
-def with_statistics(result: Result, values: Mapping[str, Scalar]) -> Result:
-    """The result with scalars about its run by name, in its file as well; ResultError where that cannot be written."""
-    if result.path is not None:
-        try:
-            with h5py.File(result.path, "r+") as file:
-                for name, value in values.items():
-                    file["statistics"].attrs[name] = value
-        except HDF5_ERRORS as error:
-            raise ResultError(f"{result.path}: the result cannot be written ({reason(error)})") from None
-    return replace(result, statistics={**result.statistics, **values})
+def with_errors(result: Result, errors: Mapping[tuple[str, str], float]) -> Result:
+    """The result with estimated errors, in its file as well; ResultError where that cannot be written."""
+    columns = (
+        ("quantity", [quantity for quantity, _ in errors], _TEXT),
+        ("of", [of for _, of in errors], _TEXT),
+        ("error", list(errors.values()), np.float64),
+    )
+    with _changed(result) as file:
+        if file is not None:
+            file.pop(ESTIMATED_ERRORS, None)
+            group = file.create_group(ESTIMATED_ERRORS)
+            for name, values, kind in columns:
+                group.create_dataset(name, data=values, dtype=kind)
+    return replace(result, estimated_errors=errors)
+
+
+@contextmanager
+def _changed(result: Result) -> Iterator[Any]:
+    """The file of a result, open to be changed; None for one in memory; ResultError where it cannot be written."""
+    if result.path is None:
+        yield None
+        return
+    try:
+        with h5py.File(result.path, "r+") as file:
+            yield file
+    except HDF5_ERRORS as error:
+        raise ResultError(f"{result.path}: the result cannot be written ({reason(error)})") from None
 
 
 def with_messages(result: Result, sentences: Sequence[str]) -> Result:
@@ -432,14 +451,10 @@ def with_messages(result: Result, sentences: Sequence[str]) -> Result:
     `Result.stored_messages` reads it.
     """
     text = json.dumps(list(dict.fromkeys(sentences)))
-    if result.path is not None:
-        try:
-            with h5py.File(result.path, "r+") as file:
-                if MESSAGES in file["provenance"]:
-                    del file["provenance"][MESSAGES]
-                _write_provenance(file["provenance"], {MESSAGES: text})
-        except HDF5_ERRORS as error:
-            raise ResultError(f"{result.path}: the result cannot be written ({reason(error)})") from None
+    with _changed(result) as file:
+        if file is not None:
+            file["provenance"].pop(MESSAGES, None)
+            _write_provenance(file["provenance"], {MESSAGES: text})
     return replace(result, provenance={**result.provenance, MESSAGES: text})
 
 

@@ -22,7 +22,7 @@ from ..cosim.implicit.snapshot import Snapshot
 from ..results.result_file import Place
 from .errors import RunError
 
-_FORMAT = 6
+_FORMAT = 7
 _DAMAGES = (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
 """What NumPy, JSON and ZIP raise of files whose bytes are not what they should be."""
 
@@ -32,7 +32,7 @@ class Checkpoint:
     """A moment of a run.
 
     place: rows and events of the result. asked: options of the run. of: digests and versions that must be the same.
-    wall_time: s, spent so far. settled: whether its bodies were put into static equilibrium before it began.
+    wall_time: s, spent so far.
     """
 
     snapshot: Snapshot
@@ -40,7 +40,6 @@ class Checkpoint:
     asked: Mapping[str, Any]
     of: Mapping[str, str]
     wall_time: float
-    settled: bool
 
     def write(self, result: Path) -> None:
         """Write to the file next to a result; RunError if it cannot be written."""
@@ -52,7 +51,6 @@ class Checkpoint:
             "asked": self.asked,
             "of": self.of,
             "wall_time": self.wall_time,
-            "settled": self.settled,
         }
         content = io.BytesIO()
         arrays = {f"array {name}": values for name, values in snapshot.arrays.items()}
@@ -90,7 +88,6 @@ class Checkpoint:
                 numbers["asked"],
                 numbers["of"],
                 numbers["wall_time"],
-                numbers["settled"],
             )
         except _DAMAGES as error:
             raise RunError(f"{path}: the checkpoint is damaged and cannot be read ({error})") from None

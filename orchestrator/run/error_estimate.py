@@ -1,70 +1,43 @@
-"""Estimated errors of headline numbers, from a companion run that takes every two steps as one.
+"""Errors of headline numbers from two runs whose tolerances are a decade apart; the finer one is reported.
 
-The companion costs half of the run. It repeats the accepted steps, segment by segment between events. If the error
-goes with the power n of the step size, its difference from the run is 2^n - 1 times the error. Here n is the order of
-the coupling if vibrations are resolved; unresolved vibrations, friction and the number of swings follow no power. So
-the estimate divides the difference by a number between 2^n - 1 and 1, and the largest possible error is the whole
-difference, 1.75 times that at order 4.
-
-Further sources: the rows around both peaks differ by more where peaks agree by chance (`near_peaks`); the rows of the
-run show errors of unresolved vibrations (`step_ends`), of friction reversals near a peak (`friction_reversals`), of
-numerical damping (`lost_ringing`), and of diverging trajectories (`coming_apart`), which both runs share. If doubled
-steps do not reach the end, or many are divided, a companion with halved steps replaces it, at twice the cost.
+The errors of two different sequences of steps do not repeat each other, so the difference of both runs bounds that of
+the finer one without a model of the error. Where the finer run is likely to miss ten tolerances in a number that the
+tolerance is meant for, the run is repeated a decade finer, and its difference from the run before is the error. This
+ends after `_DECADES` repetitions, or where a repetition takes too many steps: motion may be chaotic. With a constant
+step, the coarser run has steps twice as long, and nothing is repeated.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import os
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
-from math import sqrt
+from math import inf, isfinite
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
 from ..cosim.settings import Settings
-from ..cosim.stepping import to_own_events
-from ..results.error_sources.friction_reversals import beyond_reversals
-from ..results.error_sources.numerical_damping import lost_ringing
-from ..results.error_sources.peak_neighbourhood import differences_near
-from ..results.error_sources.sampling_error import errors_of_step_ends, judged_peaks, larger
-from ..results.error_sources.trajectory_divergence import beyond_peaks
-from ..results.estimated_errors import (
-    ESTIMATED_ERRORS,
-    TORQUE_PEAKS,
-    EstimatedError,
-    Key,
-    beside_their_vector,
-    errors_text,
-)
-from ..results.key_figures import UNLATCHED, headline
-from ..results.result_file import with_statistics
-from .errors import InterruptedRunError
+from ..messages import message
+from ..results.earlier import SETTINGS
+from ..results.estimated_errors import JUDGED, MOST_TOLERANCES, TORQUE_PEAKS, Key, largest_error
+from ..results.key_figures import UNLATCHED
+from ..results.result_file import with_errors
+from ..scene.schema import TOLERANCES
+from .errors import InterruptedRunError, whole_if_interrupted
+from .progress import Progress, Watch, followed, silent
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_SHARES = {2: EstimatedError(1.0 / sqrt(3.0), 1.0), 4: EstimatedError(0.35, 1.75)}
-"""Of the difference, by order: likely ones between 1 / (2^n - 1) and 1, in the middle of order 2, and where most random
-wings lie; of 37 of their numbers that order 4 had off by more than a tolerance, 35 were off by less than 1.7 of it."""
-_FINER = EstimatedError(1.0, 2.0)
-"""Of the difference from half the steps: all of it where steps resolve what happens, and two of its kind elsewhere."""
-_DIVIDED = 0.01
-"""Part of the steps between two events that a companion may divide."""
-_ASTRAY = 1e3
-"""Times the largest load of the run that no companion has unless its steps blew up."""
-_LOADS = ("N", "N.m")
-_BY_CHANCE = 3.0
-"""Times which two numbers may differ by less than the rows around them; beyond, a swing came later in one of both."""
+_DECADE = 0.1
+_LIKELY = 1.0 / 3.0
+"""Likely error of the finer run over the difference, as errors fall by a factor of four in a decade."""
+_DECADES = 2
+"""Repetitions at most."""
+_MOST_TIMES = 6.0
+"""Steps of a further run over those of the first, at most; two decades take 10^(2/4) = 3.2 times as many."""
 _NOT_ESTIMATED = ("end time", "energy residual", UNLATCHED, "lock torque peak")
-"""That of a lock between rigid bodies rings as its own stiffness lets it, which no step is meant to follow."""
-
-
-def doubled(segments: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Every two steps as one, as a plan for a run that meets its own events; the last of an odd number alone."""
-    return to_own_events(
-        [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
-    )
-
-
-def halved(segments: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Every step as two, likewise."""
-    return to_own_events([[0.5 * h for h in segment for _ in range(2)] for segment in segments])
+"""A lock between rigid bodies rings with its own stiffness, which no step is meant to follow."""
 
 
 def with_estimates(
@@ -72,83 +45,145 @@ def with_estimates(
     outcome: Outcome,
     settings: Settings,
     until: float | None = None,
-    watch: Callable[[float, float], None] = lambda time, h: None,
+    *,
+    refine: bool = True,
+    progress: Progress = silent,
+    note: Callable[[str], None] = lambda sentence: None,
     load: Loader = as_fmus,
-    at_least: Mapping[Key, EstimatedError] | None = None,
-) -> Outcome:
-    """The outcome whose headline numbers, and those of its file, carry estimated errors.
+) -> tuple[Outcome, Settings]:
+    """The outcome with estimated errors, or that of a repetition in its place; and the settings that led to it.
 
-    at_least: errors that are known otherwise, which none is estimated to be below. Explicit masters have none; where
-    no companion reaches the end, the result says that none are known.
+    refine: repeat where errors are too large. note: called about repetitions. A run with an explicit master or with
+    given steps stays as it is. A repetition that does not reach its end leaves the earlier outcome, and so does one
+    that is interrupted, by an InterruptedRunError.
     """
-    if outcome.master != "implicit":
-        return outcome
-    errors: Mapping[Key, EstimatedError] = {}
-    for steps, share in ((doubled, _SHARES[outcome.order]), (halved, _FINER)):
-        planned = steps(outcome.segments)
-        plan = replace(settings, fixed_step=None, step_plan=planned)
+    if outcome.master != "implicit" or settings.step_plan is not None:
+        return outcome, settings
+    name, end = assembly.name, until or assembly.until
+    with (
+        whole_if_interrupted(name, outcome.result, "its errors were estimated", "these"),
+        followed(progress, f"{name}: errors", end) as watch,
+    ):
         try:
-            other = run(assembly, None, plan, until, watch=watch, load=load)
+            bounded = _Bounded(watch, outcome.costs.steps)
+            coarser = run(assembly, None, _coarser(settings, outcome.order), until, watch=bounded, load=load)
+            outcome = _compared(outcome, coarser)
         except InterruptedRunError:
             raise
         except RunError:
-            continue
-        if not _is_astray(outcome, other):
-            errors = _errors(outcome, other, share, at_least or {})
-            if not _is_divided(planned, other):
-                break
-    result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
-    return replace(outcome, result=result, headline=headline(result))
-
-
-def _is_divided(plan: Sequence[Sequence[float]], companion: Outcome) -> bool:
-    """Whether a companion divided steps of its plan, which then are hardly other ones than those of the run."""
-    return any(
-        len(made) > (1.0 + _DIVIDED) * len(planned) + 1.0
-        for planned, made in zip(plan, companion.segments, strict=False)
-    )
-
-
-def _is_astray(told: Outcome, companion: Outcome) -> bool:
-    """Whether the loads of a companion are unbounded relative to those of the run."""
-    ours, theirs = (
-        max((abs(n.value) for n in one.headline.numbers() if n.unit in _LOADS), default=0.0)
-        for one in (told, companion)
-    )
-    return not theirs <= _ASTRAY * max(ours, 1.0)
-
-
-def _errors(
-    told: Outcome, companion: Outcome, share: EstimatedError, at_least: Mapping[Key, EstimatedError]
-) -> dict[Key, EstimatedError]:
-    """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
-    others = {number.key: number.value for number in companion.headline.numbers()}
-    peaks, theirs = list(judged_peaks(told.result)), dict(judged_peaks(companion.result))
-    by_rows = errors_of_step_ends(told.result, peaks)
-    near, lost, apart = (
-        of(told.result, peaks, companion.result, theirs)
-        for of in (differences_near, lost_ringing, beyond_peaks)
-    )
-    kinks = beyond_reversals(told.result, peaks)
-    locked = told.headline.latch_impulses
-    in_locks = {hinge for line in told.result.hinge_lines if line.name in locked for hinge in line.hinges}
-    found = {
-        number.key: abs(number.value - others[number.key])
-        for number in told.headline.numbers()
-        if number.key in others
-        and number.quantity not in _NOT_ESTIMATED
-        and (number.quantity not in TORQUE_PEAKS or number.of not in in_locks)
-    }
-    widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}
-    return beside_their_vector(
-        {
-            key: larger(
-                EstimatedError(
-                    share.likely * d, max(share.most * d, *(of.get(key, 0.0) for of in (lost, apart, kinks)))
-                ),
-                by_rows.get(key),
-                at_least.get(key),
+            outcome = _with(outcome, {})
+    if not refine or settings.fixed_step is not None:
+        return outcome, settings
+    asked, first = settings.tolerance, outcome
+    for _ in range(_DECADES):
+        subject, error = _largest(outcome)
+        finer = replace(
+            settings,
+            tolerance=max(TOLERANCES[0], _DECADE * settings.tolerance),
+            asked_tolerance=asked,
+            snapshot_every=None,
+        )
+        if _LIKELY * error <= MOST_TOLERANCES * asked or finer.tolerance >= settings.tolerance:
+            break
+        said = f"{subject} differs by {100 * error:.2g} %" if isfinite(error) else f"{subject} is unsure"
+        try:
+            with whole_if_interrupted(name, outcome.result, f"it was repeated at {finer.tolerance:.2g}"):
+                outcome = _repeated(assembly, outcome, first, finer, until, progress, load)
+        except InterruptedRunError:
+            raise
+        except RunError as failure:
+            note(
+                message(
+                    "N-repetition-failed",
+                    f"{name}: {said}; the repetition at {finer.tolerance:.2g} failed, {failure.reason}.",
+                )
             )
-            for key, d in widest.items()
-        }
+            break
+        settings = finer
+        note(message("N-repeated", f"{name}: {said}; the run was repeated at {settings.tolerance:.2g}."))
+    return outcome, settings
+
+
+def _coarser(settings: Settings, order: int) -> Settings:
+    """Settings of the run that errors are estimated from; steps that no tolerance limits are longer as well."""
+    if settings.fixed_step is not None:
+        return replace(settings, fixed_step=2.0 * settings.fixed_step, snapshot_every=None)
+    longer = _DECADE ** (-1.0 / order)
+    return replace(
+        settings,
+        tolerance=settings.tolerance / _DECADE,
+        largest_step=longer * settings.largest_step,
+        start_step=longer * settings.start_step,
+        snapshot_every=None,
     )
+
+
+def _largest(outcome: Outcome) -> tuple[str, float]:
+    """The promised number with the largest relative error, and that; infinite where no error is known."""
+    if not outcome.headline.estimated_errors:
+        return "every number", inf
+    numbers = [(number.key, number.value) for number in outcome.headline.numbers()]
+    return largest_error(numbers, outcome.headline.estimated_errors)
+
+
+def _compared(outcome: Outcome, coarser: Outcome) -> Outcome:
+    """The outcome, whose errors are its differences from another run; infinite ones of what only one of both has."""
+    ours, theirs = (
+        {n.key: n.value for n in one.headline.numbers() if n.quantity not in _NOT_ESTIMATED}
+        for one in (outcome, coarser)
+    )
+    locked = outcome.headline.latch_impulses
+    in_locks = {hinge for line in outcome.result.hinge_lines if line.name in locked for hinge in line.hinges}
+    errors = {
+        key: abs(ours[key] - theirs[key]) if key in ours and key in theirs else inf
+        for key in {**ours, **theirs}
+        if (key in ours and key in theirs) or key[0] in JUDGED
+        if key[0] not in TORQUE_PEAKS or key[1] not in in_locks
+    }
+    return _with(outcome, errors)
+
+
+def _with(outcome: Outcome, errors: dict[Key, float]) -> Outcome:
+    result = with_errors(outcome.result, errors)
+    return replace(outcome, result=result, headline=replace(outcome.headline, estimated_errors=errors))
+
+
+class _Bounded:
+    """A watch that ends a run of more than `_MOST_TIMES` the steps of the first run."""
+
+    def __init__(self, watch: Watch, first: int) -> None:
+        self._watch, self._most = watch, _MOST_TIMES * first
+        self._made, self._last = 0.0, 0.0
+
+    def __call__(self, time: float, h: float) -> None:
+        """Show a step, and count those since the last one shown."""
+        self._watch(time, h)
+        self._made += max(1.0, (time - self._last) / h)
+        self._last = time
+        if self._made > self._most:
+            raise RunError(f"it takes more than {self._most:.0f} steps")
+
+
+def _repeated(
+    assembly: Assembly,
+    outcome: Outcome,
+    first: Outcome,
+    settings: Settings,
+    until: float | None,
+    progress: Progress,
+    load: Loader,
+) -> Outcome:
+    """A finer run with its errors in a temporary file, which replaces that of the earlier outcome in the end."""
+    path = outcome.result.path
+    asked = {key: text for key, text in outcome.result.provenance.items() if key == SETTINGS}
+    with ExitStack() as stack:
+        temporary = path and Path(stack.enter_context(TemporaryDirectory(dir=path.parent)), path.name)
+        name = f"{assembly.name}: at {settings.tolerance:.2g}"
+        with followed(progress, name, until or assembly.until) as watch:
+            bounded = _Bounded(watch, first.costs.steps)
+            finer = run(assembly, temporary, settings, until, watch=bounded, load=load, asked=asked)
+        finer = _compared(finer, outcome)
+        if path and temporary:
+            os.replace(temporary, path)
+            finer = replace(finer, result=replace(finer.result, path=path))
+        return finer

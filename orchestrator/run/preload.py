@@ -1,9 +1,8 @@
-"""An assembly whose bodies start in the static equilibrium of its preload, for hosts that have no search for it."""
+"""What to tell of the static equilibrium in which a scene with preload starts."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from math import degrees
 
 import numpy as np
@@ -12,19 +11,11 @@ from components.contract.frames import norm, normalized, rotation_between
 from components.rail import Rail
 
 from ..assembly import Assembly, Part
-from ..assembly.start_values import led_to
-from ..assembly.statics.start import held_joints, with_free_joints
-from ..cosim.settings import Settings
+from ..assembly.statics.start import static_start
 from ..results.result import Result
-from .run import run
 
-_STARTED = {
-    "initial_position": "frame_position",
-    "initial_orientation": "frame_orientation",
-    "initial_modal_coordinate": "modal_coordinate",
-}
+_STARTED = {"initial_position": "frame_position", "initial_orientation": "frame_orientation"}
 """Parameters of bodies that say where they start, by what is recorded of them."""
-_INSTANT = 1e-5
 _MOVED = 0.05
 """rad, by which equilibrium may turn a body before that is told: cables give way by a degree."""
 _SLID = 5e-3
@@ -33,29 +24,9 @@ _LOST = 0.1
 """Of a preload, by which equilibrium may change it before that is told: stacks give way a little."""
 
 
-def started_at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
-    """The assembly with the start values of bodies and ports that equilibrium gives; unchanged without preload.
-
-    coupled: the same scene at the same fidelity with mean wrenches, which the search needs. RunError where there is
-    no equilibrium.
-    """
-    if not assembly.preload:
-        return assembly
-    settings = Settings(assembly.tolerance, assembly.largest_step)
-    found = run(coupled, None, settings, _INSTANT).result
-    placed = [replace(part, start={**part.start, **dict(_starts(part, found))}) for part in assembly.parts]
-    return replace(assembly, parts=led_to(assembly.parts, placed, assembly.links), preload=False)
-
-
-def _starts(part: Part, found: Result) -> Iterator[tuple[str, tuple[float, ...]]]:
-    for parameter, recorded in _STARTED.items():
-        if found.has(part.name, recorded):
-            yield parameter, tuple(found.signal(part.name, recorded)[0].tolist())
-
-
 def let_go_at_start(assembly: Assembly) -> Iterator[str]:
     """A sentence for joints that are held in the search alone, as loads would drive what they carry away."""
-    if assembly.preload and (joints := ", ".join(held_joints(with_free_joints(assembly)))):
+    if joints := ", ".join(static_start(assembly).held):
         yield (
             f"{assembly.name}: there is no static equilibrium while {joints} can turn, so the search holds it and "
             "it is released at t = 0. Start without preload, or from an equilibrium position."

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -17,14 +17,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from components import REGISTRY, ComponentError, FanfoldError, Layout
+from components import REGISTRY, ComponentError, Layout
 from components.cache.temporary import process_folder
 from fmus import Backend, CompileError, Experiment, FmiVersion, build_fmu, cross_compiled
 from fmus.archive import content_digest
 
 from ..assembly import Assembly, Part
 from ..assembly.second_order import second_order_modes
-from ..assembly.statics.start import in_equilibrium, with_free_joints
+from ..assembly.statics.start import static_start
 from ..cosim.compiled_master import CompiledMaster
 from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
@@ -45,6 +45,7 @@ from ..results.key_figures import Headline, headline
 from ..results.recorder import MemoryRecorder, SignalGroup
 from ..results.result import Result
 from ..results.result_file import ResultWriter
+from ..scene.table import SceneError
 from .checkpoint import Checkpoint, checkpoint_file
 from .errors import InterruptedRunError
 from .errors import RunError as RunError
@@ -54,10 +55,6 @@ MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
 Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
 """Makes the participants of an assembly and frees them afterwards."""
 _PACKAGES = ("fanfold", "numpy", "scipy", "fmpy", "pythonfmu")
-
-
-class _RestlessError(FanfoldError):
-    """The static search has not come to rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +81,7 @@ class Costs:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A finished run: its result, which master made it at which order, headline, costs, step sizes taken.
-
-    restless: what did not start at rest though it should, a sentence.
-    """
+    """A finished run: its result, which master made it at which order, headline, costs, step sizes taken."""
 
     result: Result
     master: MasterKind
@@ -95,7 +89,6 @@ class Outcome:
     headline: Headline
     costs: Costs
     segments: tuple[tuple[float, ...], ...]
-    restless: str = ""
 
     @property
     def path(self) -> Path:
@@ -230,29 +223,10 @@ def run(
     With participants that cannot restore states, the explicit Gauss-Seidel master replaces the implicit one. asked:
     settings for the checkpoint, and the text of `SETTINGS`. start: the checkpoint to continue from.
     """
-    asked_for = output, settings, until, master, watch, warn, load, asked, start
-    assembly = with_free_joints(assembly)
-    if start is None or not start.settled:
-        with suppress(_RestlessError):
-            return _run(assembly, *asked_for, settled=False)
-    return _run(in_equilibrium(assembly), *asked_for, settled=True)
-
-
-def _run(
-    assembly: Assembly,
-    output: Path | None,
-    settings: Settings,
-    until: float | None,
-    master: MasterKind,
-    watch: Callable[[float, float], None],
-    warn: Callable[[str], None],
-    load: Loader,
-    asked: Mapping[str, Any] | None,
-    start: Checkpoint | None,
-    *,
-    settled: bool,
-) -> Outcome:
-    """The same; _RestlessError where the static search is not enough and bodies are not settled before it."""
+    try:
+        assembly = static_start(assembly).assembly
+    except SceneError as error:
+        raise RunError(str(error)) from None
     end = assembly.until if until is None else until
     if output is not None:
         watch = FreeSpace(output, end, warn, watch)
@@ -283,7 +257,7 @@ def _run(
                 f"{assembly.name}: a run with FMUs that have signals ({names}) has no checkpoints, as their state "
                 "is not kept; leave checkpoint out"
             )
-        return _follow(assembly, network, output, settings, end, master, warn, asked or {}, start, settled)
+        return _follow(assembly, network, output, settings, end, master, warn, asked or {}, start)
 
 
 def _follow(
@@ -296,9 +270,8 @@ def _follow(
     warn: Callable[[str], None],
     asked: Mapping[str, Any],
     resumed: Checkpoint | None,
-    settled: bool,
 ) -> Outcome:
-    """Step a network through time into a result; settled: see `_run`."""
+    """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
     groups = signal_groups(network)
     groups += [SignalGroup.of(fmu.name, Layout(recorded(fmu)), "FMU") for fmu in assembly.signal_fmus]
@@ -317,7 +290,7 @@ def _follow(
         def keep(snapshot: Snapshot) -> None:
             if isinstance(writer, ResultWriter):
                 spent = perf_counter() - start
-                Checkpoint(snapshot, writer.place(), asked, same, spent, settled).write(writer.path)
+                Checkpoint(snapshot, writer.place(), asked, same, spent).write(writer.path)
 
         try:
             if isinstance(runner, Master):
@@ -326,8 +299,6 @@ def _follow(
                 runner.resume(resumed.snapshot)
             else:
                 runner.initialize(preload=assembly.preload)
-                if assembly.preload and not settled and runner.statistics.restless:
-                    raise _RestlessError
             runner.run(end)
         except (ParticipantError, StepError) as error:
             raise _broken_off(f"{assembly.name}: {error}", writer) from None
@@ -343,7 +314,7 @@ def _follow(
         checkpoint_file(output).unlink(missing_ok=True)
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
-    return Outcome(result, kind, network.order, headline(result), costs, segments, statistics.restless)
+    return Outcome(result, kind, network.order, headline(result), costs, segments)
 
 
 def _runner(

@@ -33,15 +33,14 @@ from ..validity.events import event_warnings
 from ..validity.linear_range import linear_range_warnings
 from ..validity.opened_joints import opened_joint_warnings
 from ..validity.sampled_loops import sampled_loop_warnings
+from ..validity.travel import travel_warnings
 from .checkpoint import Checkpoint, checkpoint_file
 from .error_estimate import with_estimates
-from .errors import whole_if_interrupted
 from .load_energy import with_energy_of_loads
 from .preload import let_go_at_start, lost_preloads, moved_starts
 from .progress import Progress, followed, silent
 from .recording import Recording
 from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
-from .tolerance_refinement import refined
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
@@ -164,7 +163,7 @@ def simulate(
 ) -> Simulation:
     """Run a scene into a file or, without one, into memory; RunError or SceneError where that cannot be.
 
-    estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: gets every warning.
+    estimate: find the errors of headline numbers by a coarser run, at half the cost. warn: called with every warning.
     start: the checkpoint to go on from. fmus: a loader of `kept_fmus` to share between runs, by default one of its own.
     """
     if options.checkpoint is not None and output is None:
@@ -190,9 +189,15 @@ def simulate(
             outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
-            refine = options.refine
-            outcome, settings = _estimated(
-                assembly, outcome, settings, end, progress, tell, load, refine=refine
+            outcome, settings = with_estimates(
+                assembly,
+                outcome,
+                settings,
+                end,
+                refine=options.refine,
+                progress=progress,
+                note=tell,
+                load=load,
             )
     for sentence in _after(scene, options, assembly, outcome):
         tell(sentence)
@@ -202,26 +207,6 @@ def simulate(
         warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
-
-
-def _estimated(
-    assembly: Assembly,
-    outcome: Outcome,
-    settings: Settings,
-    end: float,
-    progress: Progress,
-    tell: Warn,
-    load: Loader,
-    *,
-    refine: bool,
-) -> tuple[Outcome, Settings]:
-    """The outcome with estimated errors, and of the last repetition where these were too large; and its settings."""
-    with (
-        whole_if_interrupted(assembly.name, outcome.result, "its errors were estimated", "these"),
-        followed(progress, f"{assembly.name}: errors", end) as watch,
-    ):
-        outcome = with_estimates(assembly, outcome, settings, end, watch, load)
-    return refined(assembly, outcome, settings, end, progress, tell, load) if refine else (outcome, settings)
 
 
 def _missing_parts(options: Options) -> Iterator[str]:
@@ -249,9 +234,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     if options.step is not None and outcome.costs.rejected:
         yield message("W-step-divided", _divided(assembly, options.step, outcome))
     yield from coded("W-fmu-loop", sampled_loop_warnings(assembly, outcome.result))
-    yield from outcome.headline.open_ends()
-    if outcome.restless:
-        yield message("W-restless", f"{assembly.name}: {outcome.restless}")
+    yield from travel_warnings(outcome.result, outcome.headline)
     yield from coded("W-preload", lost_preloads(assembly, outcome.result))
     yield from coded("W-preload", moved_starts(assembly, outcome.result))
     yield from coded("W-event", event_warnings(assembly, outcome.result))

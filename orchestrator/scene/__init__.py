@@ -1,7 +1,7 @@
 """A scene: a file with its layers, checked, as records; knows no co-simulation."""
 
+from .placed_scene import CheckedScene
 from .reader import find_scene, list_scenes, load_scene, read_scene, scene_variants
-from .schema import CheckedScene
 from .table import SceneError
 
 __all__ = [

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from math import pi
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, ValidationError
+from pydantic import BeforeValidator, Field
 
-from components.contract.errors import unknown
 from components.contract.frames import Quaternion, Vector3, exponential, rotate, scaled
 
 from .body_tables import Motion
 from .layers import Tree
 from .table import Axis, Name, Table
 from .units import to_si
+from .validation import EntryReader
 
 _MOTION_AXES = {
     f"{kind}_axis": list(Motion.model_fields[f"{kind}_axis"].default) for kind in ("translation", "rotation")
@@ -65,38 +65,15 @@ class Array(Table):
 def expanded(tree: Tree) -> tuple[Tree, list[str]]:
     """The tree with every array carried out, and what is wrong with those that cannot be."""
     whole = {key: value for key, value in tree.items() if key != "array"}
-    given = tree.get("array", [])
-    if not isinstance(given, list):
-        return whole, ["array: is one table; write it as [[array]], because there can be several"]
-    problems: list[str] = []
-    for raw in given:
-        array = _read(raw, problems)
-        if array is None:
-            continue
+    reader = EntryReader(tree, ())
+    for array in reader.tables("array", Array).sound:
         for part in _PARTS:
             copies = [
                 _copy(array, entry, i) for i in range(1, array.count + 1) for entry in getattr(array, part)
             ]
             if copies and isinstance(whole.get(part, []), list):
                 whole[part] = [*whole.get(part, []), *copies]
-    return whole, problems
-
-
-def _read(raw: object, problems: list[str]) -> Array | None:
-    named = raw.get("name") if isinstance(raw, dict) else None
-    key = f"array.{named}" if isinstance(named, str) else "array"
-    try:
-        return Array.model_validate(raw)
-    except ValidationError as error:
-        for found in error.errors():
-            place = ".".join(
-                str(part) for part in found["loc"] if isinstance(part, str) and part in Array.model_fields
-            )
-            text = str(found.get("ctx", {}).get("error", found["msg"]))
-            if found["type"] == "extra_forbidden":
-                text = unknown(str(found["loc"][-1]), sorted(Array.model_fields), "key")
-            problems.append(f"{key}{'.' if place else ''}{place}: {text}")
-        return None
+    return whole, reader.problems
 
 
 def _copy(array: Array, entry: Mapping[str, Any], number: int) -> Tree:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -22,16 +21,14 @@ from components.contract.frames import (
 )
 from components.flexible.modal import ModalData
 from components.flexible.point_shapes import span
-from components.imported.files import NAMES
 
 from .body_tables import Base, Body, Motion
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .data_sheets import check_entry
 from .hinge_line_tables import HingeLine
-from .layers import merged
-from .schema import CheckedScene
+from .schema import SceneTables
 from .table import Seat
-from .units import Sign, written
 
 if TYPE_CHECKING:
     from components.catalogue import BodyDefinition
@@ -97,9 +94,20 @@ def body_definition(body: Body) -> BodyDefinition:
     return _definition(_written(body))
 
 
-def _written(body: Body) -> str:
-    """What the scene says of how a body is built, and of what time its files are, as a text to find it by."""
-    return json.dumps([body.catalogue, body.definition_tables, [_stamp(path) for path in body_files(body)]])
+@dataclass(frozen=True)
+class _Written:
+    """How a scene says that a body is built, and when its files were written; found by the text of both."""
+
+    text: str
+    body: Body = field(compare=False)
+
+
+def _written(body: Body) -> _Written:
+    """Key of a body; BodyError where the catalogue lacks its entry."""
+    if body.catalogue is not None:
+        check_entry(body.catalogue)
+    parts = body.model_dump_json(include={"panel", "frame", "beam", "imported", "rigid_twin"})
+    return _Written(f"{parts} {[_stamp(path) for path in body_files(body)]}", body)
 
 
 def body_files(body: Body) -> list[Path]:
@@ -108,8 +116,7 @@ def body_files(body: Body) -> list[Path]:
         return []
     from components.imported.reading import beside  # takes its time
 
-    given = [path for name in NAMES if isinstance(path := body.imported.get(name), str)]
-    return [part for path in given for part in beside(Path(path))]
+    return [part for path in body.imported.files.values() for part in beside(Path(path))]
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:
@@ -122,26 +129,15 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 
 @lru_cache(maxsize=32)
-def _definition(written: str) -> BodyDefinition:
-    from components import catalogue  # takes its time, which no command needs that builds nothing
+def _definition(written: _Written) -> BodyDefinition:
+    from .body_definitions import definition  # takes its time, which no command needs that builds nothing
 
-    entry, tables, _ = json.loads(written)
-    if not tables:
-        return catalogue.entry(entry)
-    below = {} if entry is None else catalogue.entry_table(entry)
-    return catalogue.read_body(merged(below, tables), _quantity)
-
-
-def _quantity(value: object, unit: str, sign: Sign) -> float:
-    """A value of the catalogue's data sheets, or one of a scene file laid over it."""
-    from components.catalogue.tables import stated
-
-    return stated(value, unit, sign) if isinstance(value, tuple) else written(value, unit, sign)
+    return definition(written.body)
 
 
 @lru_cache(maxsize=32)
 def _model(
-    written: str,
+    written: _Written,
     fixed_interface_modes: int | None,
     masses: tuple[tuple[str, float], ...],
     second_order_modes: int = 0,
@@ -153,21 +149,14 @@ def _model(
     return definition.flexible(fixed_interface_modes, masses, second_order_modes)
 
 
-def forget_models() -> None:
-    """Build bodies anew, as entries of the catalogue are others now."""
-    _definition.cache_clear()
-    _model.cache_clear()
-
-
 def body_points(body: Body) -> Mapping[str, Vector3]:
     """Undeformed positions of a body's points (m) in its construction frame."""
-    data = body_model(body, flexible=False)
+    return point_positions(body_model(body, flexible=False))
+
+
+def point_positions(data: ModalData) -> Mapping[str, Vector3]:
+    """Positions (m) of the points of a model by name."""
     return dict(zip(data.point_names, map(tuple, data.point_positions.tolist()), strict=True))
-
-
-def scene_points(scene: CheckedScene) -> dict[str, Mapping[str, Vector3]]:
-    """Points of every body, base included, by body name."""
-    return {scene.base.name: scene.base.points} | {body.name: body_points(body) for body in scene.bodies}
 
 
 def attachments(
@@ -215,12 +204,6 @@ def moved(pose: StartPose, motion: Motion, shift: float, turn: float) -> StartPo
     return StartPose(subtract(pivot, rotate(orientation, motion.pivot)), orientation)
 
 
-def motions(scene: CheckedScene) -> dict[str, Motion]:
-    """Prescribed motions by the name of the base or body that follows them."""
-    found = {scene.base.name: scene.base.motion, **{body.name: body.motion for body in scene.bodies}}
-    return {name: motion for name, motion in found.items() if motion is not None}
-
-
 def _started(pose: StartPose, motion: Motion | None) -> StartPose:
     """Where the laws of a motion begin."""
     if motion is None:
@@ -229,7 +212,7 @@ def _started(pose: StartPose, motion: Motion | None) -> StartPose:
     return moved(pose, motion, shift, turn)
 
 
-def written_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
+def written_poses(scene: SceneTables, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
     """Poses along the tree of hinge lines from the base, whose frame is the world's, then of placed bodies as written.
 
     What follows a motion is where that begins. All frames are parallel where every hinge angle is its aligned angle.
@@ -252,12 +235,3 @@ def written_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3
             written = StartPose(add(origin, body.place.offset), body.place.orientation.quaternion)
             poses[body.name] = _started(written, body.motion)
     return poses
-
-
-def with_angles(scene: CheckedScene, angles: Mapping[str, float]) -> CheckedScene:
-    """The scene with other start angles."""
-    lines = tuple(
-        line.model_copy(update={"start_angle": angles.get(line.name, line.start_angle)})
-        for line in scene.hinge_lines
-    )
-    return replace(scene, hinge_lines=lines)

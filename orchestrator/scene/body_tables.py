@@ -11,9 +11,13 @@ from components import ComponentError
 from components.body import CouplingLevel
 from components.numerics.motion_law import NOTHING, MotionLaw
 
+from .construction.frame_tables import BeamTable, FrameTable
+from .construction.import_tables import ImportTable
+from .construction.panel_tables import PanelTable
+from .construction.part import Flag, PartTable
 from .damping import StructuralDamping
 from .table import ORIGIN, Direction, Inertia, Name, Place, Table
-from .units import Frequency, Mass, Position, Ratio
+from .units import Coordinate, Frequency, Mass, MomentOfInertia, Position, Ratio
 
 Fidelity = Literal["rigid", "flexible", "large_deformation"]
 
@@ -97,11 +101,23 @@ class AttachedMass(Table):
     """Mass at it, such as of a bracket."""
 
 
+class RigidTwinTable(PartTable):
+    """Mass properties of the rigid body, where they differ from those of the finite elements."""
+
+    hardware: Flag = True
+    """Whether masses at the ends of the hinge arms are part of it."""
+    mass: Mass | None = None
+    """Mass."""
+    center_of_mass: Coordinate | None = None
+    """x of the centre of mass."""
+    inertia: MomentOfInertia | None = None
+    """About y through the centre of mass."""
+
+
 class Body(Table):
     """[[body]]: panel, frame or both, beam, an entry of the catalogue, or a rigid body; options of its flexible model.
 
-    panel, frame, beam, import, rigid_twin: tables that `components.catalogue.reader` reads, or changes to those of the
-    catalogue entry.
+    panel, frame, beam, import, rigid_twin: with a catalogue entry, changes to its tables.
     """
 
     name: Name
@@ -114,16 +130,16 @@ class Body(Table):
     """Another body of the scene, whose keys apply unless set here."""
     catalogue: str | None = None
     """Entry of the catalogue, which the tables below change."""
-    panel: dict[str, Any] | None = None
-    """Plate with hinge arms."""
-    frame: dict[str, Any] | None = None
-    """Beams through joints."""
-    beam: dict[str, Any] | None = None
-    """One beam, straight or curved."""
-    imported: dict[str, Any] | None = Field(None, alias="import")
+    panel: PanelTable | None = None
+    """A plate in the plane of x and y with hinge arms, from finite elements."""
+    frame: FrameTable | None = None
+    """Beams through joints; with a panel, arms and joints of one name are welded."""
+    beam: BeamTable | None = None
+    """A beam from its origin along x, straight or curved."""
+    imported: ImportTable | None = Field(None, alias="import")
     """Finite elements of another program."""
-    rigid_twin: dict[str, Any] | None = None
-    """Mass properties of the rigid body, where they differ from the flexible one."""
+    rigid_twin: RigidTwinTable | None = None
+    """Mass properties of the rigid body, where they differ from those of the finite elements."""
     rigid: RigidBody | None = None
     """A rigid body with points."""
     fidelity: Fidelity | None = None
@@ -158,16 +174,10 @@ class Body(Table):
         return (self.fidelity or "flexible") if self.can_bend else "rigid"
 
     @property
-    def definition_tables(self) -> dict[str, dict[str, Any]]:
-        """The tables that say how the body is built, those that are given."""
-        tables = {
-            "panel": self.panel,
-            "frame": self.frame,
-            "beam": self.beam,
-            "import": self.imported,
-            "rigid_twin": self.rigid_twin,
-        }
-        return {key: table for key, table in tables.items() if table is not None}
+    def parts(self) -> tuple[Table, ...]:
+        """Panel, frame, beam and import, those that are given."""
+        parts = (self.panel, self.frame, self.beam, self.imported)
+        return tuple(part for part in parts if part is not None)
 
     @property
     def masses(self) -> tuple[tuple[str, float], ...]:
@@ -176,8 +186,7 @@ class Body(Table):
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        sources = (self.catalogue, self.panel, self.frame, self.beam, self.imported)
-        built = any(one is not None for one in sources)
+        built = self.catalogue is not None or bool(self.parts)
         if built == (self.rigid is not None) and self.like is None:
             raise ValueError(
                 "give either a catalogue entry, a table panel, frame, beam or import, or a table rigid"
@@ -190,6 +199,13 @@ class Body(Table):
             raise ValueError("only a body with a beam can deform largely; give it a table beam")
         if self.rigid is not None and self.attached_masses:
             raise ValueError("attached_masses belong to bodies that can bend; add them to the mass of rigid")
+        return self
+
+    @model_validator(mode="after")
+    def _stands_alone(self) -> Self:
+        for kind, part in (("a beam", self.beam), ("an imported body", self.imported)):
+            if part is not None and len(self.parts) > 1:
+                raise ValueError(f"{kind} stands alone; join it to other bodies by fixed connections")
         return self
 
     @model_validator(mode="after")

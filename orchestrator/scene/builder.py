@@ -15,12 +15,14 @@ from components.contract.plugins import loaded_plugins
 from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .data_sheets import with_entries
 from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
-from .layers import Layers, Setting, Tree, plugin_files, read_layers, with_absolute_files
+from .layers import Layers, Setting, Tree, plugin_files, read_layers, resolved, with_absolute_files
+from .placed_scene import CheckedScene
 from .plugins.trust import trust_programs
 from .reader import check_layers, find_scene, variant_problems
-from .schema import CheckedScene, Header
+from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
 from .validation import EntryReader
@@ -313,9 +315,12 @@ class Scene:
         """Put an entry behind the others of its array and return its name; SceneError with its problems."""
         entry = _plain(f"{self._layers.file}: {key}.{keys['name']}", keys)
         with_absolute_files({key: [entry]}, Path.cwd())
-        reader = EntryReader({key: [entry]}, ())
-        reader.tables(key, model)
-        self._refuse(reader.problems)
+        whole, unlike = resolved({key: [*self._layers.tree.get(key, ()), entry]})
+        whole, unmerged = with_entries({key: whole[key][-1:]})
+        if not unlike:  # what it is like may follow
+            reader = EntryReader(whole, ())
+            reader.tables(key, model)
+            self._refuse([problem for found in unmerged.values() for problem in found] or reader.problems)
         self._layers.tree.setdefault(key, []).append(entry)
         self._checked = None
         return str(entry["name"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from inspect import Parameter, signature
 from math import isfinite
 from typing import Any, Literal
@@ -10,15 +10,12 @@ from typing import Any, Literal
 import numpy as np
 
 from components import REGISTRY, Component, ComponentError, Instance, Quantity
-from components.contact import Contact
 from components.contract.errors import unknown
 from components.contract.frames import Vector3, add
 from components.hinge import Hinge
 
 from .bodies import StartPose
 from .connection_tables import Connection
-from .locked_groups import joined
-from .schema import CheckedScene
 from .units import QUANTITY, UNITS, written
 
 WrenchMode = Literal["mean", "endpoint"]
@@ -26,8 +23,6 @@ WrenchMode = Literal["mean", "endpoint"]
 
 _WRENCH_MODE = "wrench_mode"
 """Key of the structure that the master sets."""
-_DEEPEST = 10.0
-"""Penetrations, in reference penetrations, that a contact may start with."""
 
 
 def component_values(
@@ -101,32 +96,6 @@ def _structure_problems(connection: Connection) -> Iterator[str]:
             yield f"{key}.{name}: is missing"
 
 
-def buried_contacts(
-    scene: CheckedScene,
-    points: Mapping[str, Mapping[str, Vector3]],
-    poses: Mapping[str, StartPose],
-    refused: Collection[str] = (),
-) -> Iterator[str]:
-    """Contacts that start deeper than a force could have pressed them; those with other problems are `refused`."""
-    roots = joined(scene)
-    for connection in scene.connections:
-        seats = connection.ports
-        if connection.kind != Contact.kind or connection.name in refused:
-            continue
-        if len({roots[seat.body] for seat in seats.values()}) == 1:
-            continue  # within one piece, where it never acts
-        depth, reference = _start_depth(seated(connection, points, poses))
-        if depth > _DEEPEST * reference:
-            gap = first_number(connection, "gap")
-            touch = round(gap - depth, 9) + 0.0
-            yield (
-                f"connection.{connection.name}: the contact starts {depth:.4g} m deep, and its reference_penetration "
-                f"is {reference:.4g} m; gap is the clearance of the plane along the normal from the inboard port: the "
-                f"plane touches the outboard port where gap is {touch:.6g} m, and is clear of it "
-                "below that; check the signs of gap and normal"
-            )
-
-
 def seated(
     connection: Connection, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
 ) -> Instance:
@@ -138,12 +107,6 @@ def seated(
         instance.set(f"{port}.position", pose.place(add(points[seat.body][seat.point], seat.offset)))
         instance.set(f"{port}.orientation", pose.orientation)
     return instance
-
-
-def _start_depth(contact: Instance) -> tuple[float, float]:
-    """Penetration (m) of a contact at the start, and its reference penetration (m)."""
-    contact.initialize()
-    return float(contact.observed()["penetration"][0]), contact.parameter("reference_penetration")
 
 
 def _parameter_problems(key: str, connection: Connection, component: Component) -> Iterator[str]:

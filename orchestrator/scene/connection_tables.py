@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from .plausible import Plausible
 from .table import Y_AXIS, Axis, Name, Orientation, Seat, Table
 from .units import Damping, Force, PeakRate, Radius, Stiffness, TurningDamping
 
@@ -28,7 +29,9 @@ class Ccl(Table):
     """Axis of both pulleys."""
     preload: Force
     """Tension of each strand at the start."""
-    strand_stiffness: Stiffness
+    strand_stiffness: Annotated[
+        Stiffness, Plausible("W-loop-data", "N/m", most=1e8, reason="1 m of steel with 1 cm2 has 2e7")
+    ]
     """Stiffness of one strand."""
     strand_damping: Damping = 0.0
     """Damping of one strand."""

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from math import acos, degrees
 
+from components import Instance
+from components.contact import Contact
 from components.contract.errors import unknown
 from components.contract.frames import Vector3, add, cross, dot, norm, rotate, subtract
 
-from .bodies import Attachment, StartPose, motions
+from .bodies import Attachment
 from .body_tables import Body
+from .component_connections import first_number
 from .connection_tables import Damper
 from .event_tables import Event
 from .hinge_line_tables import HingeLine
-from .locked_groups import joined
-from .schema import CheckedScene
+from .placed_scene import CheckedScene
 
 _PARALLEL = 0.5
 """Cosine between the axes of two pulleys, below which no cable leads one by the other."""
@@ -22,6 +24,8 @@ _ALONG = 1e-6
 """m, across their axis, within which one pulley is right behind another."""
 _HINGE_GAP = 1e-3
 """m; how far apart the points of a hinge may be when stowed."""
+_DEEPEST = 10.0
+"""Penetrations, in reference penetrations, that a contact may start with."""
 
 
 def repeated_names(named: Iterable[tuple[str, str]]) -> Iterator[str]:
@@ -121,9 +125,8 @@ def misdirected(base: str, lines: Iterable[HingeLine], placed: Collection[str]) 
 
 def carried_along(scene: CheckedScene) -> Iterator[str]:
     """Held lines that make a body part of what moves by a law, whose loads would lack the body's inertia."""
-    roots, led = joined(scene), motions(scene)
     for line in scene.hinge_lines:
-        if line.held and (root := roots[line.outboard]) in led:
+        if line.held and (root := scene.group_roots[line.outboard]) in scene.motions:
             yield (
                 f"hinge_line.{line.name}.held: {root} follows a motion, and loads on it would lack the inertia of "
                 f"{line.outboard}; hold the line by a hinge of the preset fixed, a [[connection]], instead"
@@ -145,10 +148,9 @@ def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -
             )
 
 
-def impossible_loops(
-    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
-) -> Iterator[str]:
+def impossible_loops(scene: CheckedScene) -> Iterator[str]:
     """Cable loops around pulleys that, when stowed, face away or of which one lies within the other."""
+    points, poses = scene.points, scene.poses
     for loop in scene.loops:
         pulleys = loop.pulley_1, loop.pulley_2
         axis, other = (rotate(poses[pulley.body].orientation, loop.axis) for pulley in pulleys)
@@ -173,10 +175,9 @@ def impossible_loops(
             )
 
 
-def open_hinges(
-    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
-) -> Iterator[str]:
+def open_hinges(scene: CheckedScene) -> Iterator[str]:
     """Hinges whose two points do not meet when stowed, because they are not on one line along the axis."""
+    points, poses = scene.points, scene.poses
     for line in scene.hinge_lines:
         for hinge in line.hinges:
             a = poses[line.inboard].place(points[line.inboard][hinge.inboard])
@@ -191,3 +192,29 @@ def open_hinges(
                     f"hinge_line.{line.name}.hinges.{hinge.name}: its points are {gap:.4g} m apart when stowed, "
                     f"{seats}; the hinges of a line must lie on one line along its axis, so check the points of all"
                 )
+
+
+def buried_contacts(scene: CheckedScene) -> Iterator[str]:
+    """Contacts that start deeper than a force could have pressed them."""
+    roots = scene.group_roots
+    for connection in scene.connections:
+        if connection.kind != Contact.kind:
+            continue
+        if len({roots[seat.body] for seat in connection.ports.values()}) == 1:
+            continue  # within one piece, where it never acts
+        depth, reference = _start_depth(scene.seated(connection))
+        if depth > _DEEPEST * reference:
+            gap = first_number(connection, "gap")
+            touch = round(gap - depth, 9) + 0.0
+            yield (
+                f"connection.{connection.name}: the contact starts {depth:.4g} m deep, and its reference_penetration "
+                f"is {reference:.4g} m; gap is the clearance of the plane along the normal from the inboard port: the "
+                f"plane touches the outboard port where gap is {touch:.6g} m, and is clear of it "
+                "below that; check the signs of gap and normal"
+            )
+
+
+def _start_depth(contact: Instance) -> tuple[float, float]:
+    """Penetration (m) of a contact at the start, and its reference penetration (m)."""
+    contact.initialize()
+    return float(contact.observed()["penetration"][0]), contact.parameter("reference_penetration")

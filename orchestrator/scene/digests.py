@@ -8,7 +8,7 @@ from components.contract.regular import content_digest
 
 from .bodies import body_files
 from .layers import files_besides
-from .schema import CheckedScene
+from .placed_scene import CheckedScene
 
 
 def digests(scene: CheckedScene) -> dict[str, str]:

@@ -13,11 +13,12 @@ from pydantic import Field, model_validator
 from components.numerics.laws import Law, Linear
 from components.numerics.laws import Table as TorqueTable
 
+from .plausible import Plausible
 from .table import Axis, Name, Table
 from .units import (
     Angle,
     AngularRate,
-    Arm,
+    Distance,
     FrictionTorque,
     MomentOfInertia,
     PositiveAngle,
@@ -39,6 +40,7 @@ _ROUNDED = 1.001
 _ANGLE_ROUND_OFF = 1e-9
 _SAMPLES = 16
 """Of a law between two points of its table; a curve through them errs by 0.6 % of the step between both."""
+_PER_CENT = "If per cent are meant, write %."
 HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
 
 
@@ -70,13 +72,16 @@ class Friction(Table):
 
     law: Literal["sticking", "smooth"] = "sticking"
     """At rest: it holds up to its full torque, or, smooth, it rises with the rate and lets a held line creep."""
-    coefficient: Ratio = 0.0
+    coefficient: Annotated[
+        Ratio,
+        Plausible("W-friction-data", most=2.0, reason="clean metals in vacuum have less", check=_PER_CENT),
+    ] = 0.0
     """Coulomb friction of the hinge pins, sliding."""
     static_ratio: Annotated[PositiveRatio, Field(ge=1.0)] = 1.2
     """Static over sliding friction coefficient."""
     pin_radius: Radius = 0.006
     """Radius of the pins."""
-    bending_arm: Arm = 0.0
+    bending_arm: Distance = 0.0
     """Arm that turns bending moment into pin force; 0 for none."""
     stiction_velocity: AngularRate = 0.0167
     """Hinge rate from which smooth friction is full, and that of pins falls from its static to its sliding value."""
@@ -272,7 +277,9 @@ class Latch(Table):
     """The same on the outboard side."""
     effective_inertia: MomentOfInertia | None = None
     """Inertia that turns the damping ratio into N.m.s/rad; by default that of the bodies."""
-    damping_ratio: Ratio = 0.02
+    damping_ratio: Annotated[
+        Ratio, Plausible("W-end-data", most=2.0, reason="twice critical", check=_PER_CENT)
+    ] = 0.02
     """Damping ratio of the latched line; with structural damping of the scene it has that instead."""
     measured: MeasuredLatch | None = None
     """Measured torque of the hinges, in place of a spring where both sides are modelled with compliance."""

@@ -1,4 +1,4 @@
-"""Bodies that held hinge lines join: one rigid piece each, so that what does not move costs nothing."""
+"""Bodies that held hinge lines join: one rigid group each, so that what does not move costs nothing."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from components.contract.frames import (
 )
 from components.flexible.modal import ModalData
 
-from .bodies import Attachment, StartPose, scene_points, written_poses
-from .schema import CheckedScene
+from .bodies import Attachment, StartPose
+from .placed_scene import CheckedScene
 
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class PortSite:
-    """A port of a piece: its connection and that one's port, the point, an arm (m) and axes in the piece's frame.
+    """A port of a group: its connection and that one's port, the point, an arm (m) and axes in the group's frame.
 
     outside: whether what acts there joins nothing, and acts on the root itself.
     """
@@ -41,7 +41,7 @@ class PortSite:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class RigidGroup:
     """A body, or several that held lines join; `root` gives its name and frame."""
 
     root: str
@@ -56,29 +56,12 @@ class Piece:
         return len(self.bodies) > 1
 
 
-def joined(scene: CheckedScene) -> dict[str, str]:
-    """The body that names the piece of every body: its own, or the innermost that held lines lead to."""
-    roots = {name: name for name in (scene.base.name, *(body.name for body in scene.bodies))}
-    held = {line.outboard: line.inboard for line in scene.hinge_lines if line.held}
-    for body in roots:
-        while (inner := held.get(roots[body])) is not None:
-            roots[body] = inner
-    return roots
-
-
-def held_bodies(scene: CheckedScene) -> frozenset[str]:
-    """Bodies that are part of a larger piece, and therefore rigid."""
-    roots = joined(scene)
-    shared = [root for body, root in roots.items() if root != body]
-    return frozenset(body for body, root in roots.items() if root in shared)
-
-
-def pieces(
+def rigid_groups(
     scene: CheckedScene, found: Sequence[Attachment], poses: Mapping[str, StartPose]
-) -> dict[str, Piece]:
-    """Every piece by its root, with the ports of the connections that do not stay within it."""
-    roots = joined(scene)
-    acting, written = _acting(found, roots), written_poses(scene, scene_points(scene))
+) -> dict[str, RigidGroup]:
+    """Every group by its root, with the ports of the connections that do not stay within it."""
+    roots = scene.group_roots
+    acting = _acting(found, roots)
     joining = Counter(port.connection for port in acting)
     lonely = {name for name, count in joining.items() if count == 1}
     result = {}
@@ -87,13 +70,13 @@ def pieces(
         relative = {body: _relative(poses[root], poses[body]) for body in bodies}
         own = [port for port in acting if roots[port.body] == root]
         outside = {port.connection for port in own if port.body == root} & lonely
-        sites = _sites(own, written[root], relative, outside)
-        result[root] = Piece(root, bodies, relative, sites)
+        sites = _sites(own, scene.written_poses[root], relative, outside)
+        result[root] = RigidGroup(root, bodies, relative, sites)
     return result
 
 
 def _acting(found: Sequence[Attachment], roots: Mapping[str, str]) -> list[Attachment]:
-    """Ports of connections between at least two pieces, and of those that have one port only."""
+    """Ports of connections between at least two groups, and of those that have one port only."""
     touched: dict[str, list[str]] = {}
     for port in found:
         touched.setdefault(port.connection, []).append(roots[port.body])
@@ -110,7 +93,7 @@ def _relative(frame: StartPose, pose: StartPose) -> StartPose:
 def _sites(
     ports: Iterable[Attachment], root: StartPose, poses: Mapping[str, StartPose], outside: Collection[str]
 ) -> tuple[PortSite, ...]:
-    """Ports of a piece: `root` is where it was written, which axes go by, the other poses are in the root's frame.
+    """Ports of a group: `root` is where it was written, which axes go by, the other poses are in the root's frame.
 
     outside: connections that are, see `PortSite`.
     """
@@ -129,11 +112,11 @@ def _sites(
 
 
 def joined_point(body: str, point: str) -> str:
-    """Name of a body's point in a piece of several bodies."""
+    """Name of a body's point in a group of several bodies."""
     return f"{body}.{point}"
 
 
-def joined_model(piece: Piece, models: Mapping[str, ModalData]) -> ModalData:
+def joined_model(group: RigidGroup, models: Mapping[str, ModalData]) -> ModalData:
     """One rigid body of all that have a model (a fixed base has none), in the root's frame.
 
     Mass, centre of mass and inertia add up by the parallel-axis theorem; every body's points keep their place.
@@ -141,7 +124,7 @@ def joined_model(piece: Piece, models: Mapping[str, ModalData]) -> ModalData:
     mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
     points: dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]] = {}
     for body, data in models.items():
-        turn, shift = rotation_matrix(piece.poses[body].orientation), np.array(piece.poses[body].position)
+        turn, shift = rotation_matrix(group.poses[body].orientation), np.array(group.poses[body].position)
         center = shift + turn @ data.center_of_mass
         mass += data.mass
         first += data.mass * center
@@ -149,12 +132,12 @@ def joined_model(piece: Piece, models: Mapping[str, ModalData]) -> ModalData:
         for name, position in zip(data.point_names, data.point_positions, strict=True):
             points[joined_point(body, name)] = shift + turn @ position
     center = first / mass
-    display, faces = joined_geometry(piece, models)
+    display, faces = joined_geometry(group, models)
     return ModalData.rigid(mass, center, second - mass * _around(center), points, display, faces)
 
 
 def joined_geometry(
-    piece: Piece, models: Mapping[str, ModalData]
+    group: RigidGroup, models: Mapping[str, ModalData]
 ) -> tuple[
     np.ndarray[tuple[int, ...], np.dtype[np.float64]], np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 ]:
@@ -163,7 +146,7 @@ def joined_geometry(
     for body, data in models.items():
         if not len(data.display_positions):
             continue
-        turn, shift = rotation_matrix(piece.poses[body].orientation), np.array(piece.poses[body].position)
+        turn, shift = rotation_matrix(group.poses[body].orientation), np.array(group.poses[body].position)
         positions.append(shift + data.display_positions @ turn.T)
         faces.append(np.asarray(data.display_faces, dtype=np.int64) + count)
         count += len(data.display_positions)

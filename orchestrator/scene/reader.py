@@ -15,19 +15,21 @@ from components.end_stop import OF_HINGE
 
 from . import consistency
 from .arrays import Array, expanded
-from .bodies import attachments, body_points, scene_points
+from .bodies import attachments, body_points
 from .body_tables import Base, Body
-from .component_connections import buried_contacts, connection_problems
+from .component_connections import connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .data_sheets import with_entries
 from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .joint_presets import with_presets
 from .layers import Layers, Setting, Tree, data_files, plugin_files, read_layers, resolved
-from .loops.initial_assembly import closed, open_loops
+from .loops.initial_assembly import open_loops
+from .placed_scene import CheckedScene
 from .plugins import loading
 from .plugins.trials import plugin_problems
-from .schema import CheckedScene, Header
+from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
 from .validation import Entries, EntryReader
@@ -190,8 +192,11 @@ def _checked(
     tree = _as_meant(tree, mistyped, known)
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
-    reader = EntryReader(with_presets(whole), added)
-    reader.note(loading.problems(plugins))
+    unloaded = list(loading.problems(plugins))
+    whole, unmerged = with_entries(with_presets(whole))
+    unlike |= unmerged
+    reader = EntryReader(whole, added)
+    reader.note(unloaded)
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in mistyped)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
@@ -213,15 +218,13 @@ def _checked(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound, events.sound, fmus.sound,
     )  # fmt: skip
-    points = scene_points(scene)
     joints = tuple(c for c in connections.sound if c.name not in refused)
-    found = closed(replace(scene, connections=joints), points)
-    poses = found.poses
+    sound = replace(scene, connections=joints) if refused else scene
     reader.note(consistency.carried_along(scene))
-    reader.note(consistency.impossible_loops(scene, points, poses))
-    if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
-        reader.note(buried_contacts(scene, points, poses, refused))
-        reader.note(plugin_problems(scene, points, poses, refused))
+    reader.note(consistency.impossible_loops(sound))
+    if not reader.note([*consistency.open_hinges(sound), *open_loops(sound.closed)]):
+        reader.note(consistency.buried_contacts(sound))
+        reader.note(plugin_problems(sound))
     return None if reader.problems else scene, _told(reader.problems, unlike)
 
 
@@ -315,7 +318,6 @@ class _References:
             try:
                 points[body.name] = body_points(body)
             except ComponentError as error:
-                place = "" if body.catalogue is None or body.definition_tables else ".catalogue"
-                told = [f".{problem}" for problem in getattr(error, "problems", ())] or [f"{place}: {error}"]
+                told = [f".{problem}" for problem in getattr(error, "problems", ())] or [f": {error}"]
                 self.reader.note(f"body.{body.name}{problem}" for problem in told)
         return points

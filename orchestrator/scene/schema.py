@@ -47,8 +47,8 @@ class Header(Table):
 
 
 @dataclass(frozen=True, slots=True)
-class CheckedScene:
-    """A scene file, with its layers merged into one tree, that was read and found consistent."""
+class SceneTables:
+    """Tables of a scene file, with its layers merged into one tree."""
 
     file: str
     tree: Mapping[str, Any]

@@ -39,6 +39,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "rad/s": {f"{unit}/s": factor for unit, factor in _TURNING.items()},
     "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "kg.m2": {"kg.m2": 1.0},
+    "kg.m": {"kg.m": 1.0},
     "kg/m": {"kg/m": 1.0, "g/m": 1e-3},
     "kg/m2": {"kg/m2": 1.0, "g/m2": 1e-3},
     "kg/m3": {"kg/m3": 1.0},
@@ -103,9 +104,9 @@ def _like_degrees(angle: float) -> bool:
     return angle != 0.0 and (float(angle).is_integer() or abs(angle) > _TURN)
 
 
-def _vector(value: object, unit: str, sign: Sign) -> tuple[float, ...]:
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise ValueError(f"is {value!r}; it must be a list of three values in {unit}")
+def _vector(value: object, unit: str, sign: Sign, count: int) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or len(value) != count:
+        raise ValueError(f"is {value!r}; it must be a list of {count} values in {unit}")
     return tuple(written(entry, unit, sign) for entry in value)
 
 
@@ -125,10 +126,11 @@ def quantity(unit: str, sign: Sign = "any", largest: float = LARGEST) -> BeforeV
     return BeforeValidator(read, json_schema_input_type=written_as(schema_of(unit, sign)))
 
 
-def vector(unit: str, sign: Sign = "any") -> BeforeValidator:
-    """Annotation of a field of three floats, each read as a quantity."""
-    schema = {"type": "array", "items": schema_of(unit, sign), "minItems": 3, "maxItems": 3}
-    return BeforeValidator(partial(_vector, unit=unit, sign=sign), json_schema_input_type=written_as(schema))
+def vector(unit: str, sign: Sign = "any", count: int = 3) -> BeforeValidator:
+    """Annotation of a field of so many floats, each read as a quantity."""
+    schema = {"type": "array", "items": schema_of(unit, sign), "minItems": count, "maxItems": count}
+    read = partial(_vector, unit=unit, sign=sign, count=count)
+    return BeforeValidator(read, json_schema_input_type=written_as(schema))
 
 
 def damping_time(ratio: float, frequency: float) -> float:
@@ -141,8 +143,14 @@ def damping_time(ratio: float, frequency: float) -> float:
 
 Ratio = Annotated[float, quantity("1", "zero or positive")]
 PositiveRatio = Annotated[float, quantity("1", "positive")]
+AnyRatio = Annotated[float, quantity("1")]
+PoissonRatio = Annotated[AnyRatio, Field(gt=-1.0, lt=1.0)]
 Radius = Annotated[float, quantity("m", "positive", LARGEST_RADIUS)]
-Arm = Annotated[float, quantity("m", "zero or positive")]
+Length = Annotated[float, quantity("m", "positive")]
+Distance = Annotated[float, quantity("m", "zero or positive")]
+Coordinate = Annotated[float, quantity("m")]
+Interval = Annotated[tuple[float, float], vector("m", count=2)]
+PlanePosition = Annotated[tuple[float, float], vector("m", count=2)]
 Position = Annotated[Vector3, vector("m")]
 Acceleration = Annotated[Vector3, vector("m/s2")]
 Angle = Annotated[float, quantity("rad", largest=LARGEST_TURN)]
@@ -153,10 +161,23 @@ Duration = Annotated[float, quantity("s", "positive")]
 Frequency = Annotated[float, quantity("Hz", "zero or positive")]
 PositiveFrequency = Annotated[float, quantity("Hz", "positive")]
 Mass = Annotated[float, quantity("kg", "positive")]
+PointMass = Annotated[float, quantity("kg", "zero or positive")]
 MomentOfInertia = Annotated[float, quantity("kg.m2", "positive")]
+MomentsOfInertia = Annotated[Vector3, vector("kg.m2")]
+LineMass = Annotated[float, quantity("kg/m", "positive")]
+LineInertia = Annotated[float, quantity("kg.m", "positive")]
+ArealMass = Annotated[float, quantity("kg/m2", "positive")]
+Density = Annotated[float, quantity("kg/m3", "positive")]
+Modulus = Annotated[float, quantity("Pa", "positive")]
 Force = Annotated[float, quantity("N", "zero or positive")]
 Torque = Annotated[float, quantity("N.m")]
 FrictionTorque = Annotated[float, quantity("N.m", "zero or positive")]
+AxialStiffness = Annotated[float, quantity("N", "positive")]
+BendingStiffness = Annotated[float, quantity("N.m2", "positive")]
+FourStiffnesses = tuple[float, float, float, float]
+PlateStiffnesses = Annotated[FourStiffnesses, vector("N.m", count=4)]
+MembraneStiffnesses = Annotated[FourStiffnesses, vector("N/m", count=4)]
+PlateTension = Annotated[float, quantity("N/m", "zero or positive")]
 Stiffness = Annotated[float, quantity("N/m", "positive")]
 Stiffnesses = Annotated[Vector3, vector("N/m", "zero or positive")]
 TurningStiffness = Annotated[float, quantity("N.m/rad", "positive")]

@@ -16,6 +16,16 @@ from .table import Table
 
 T = TypeVar("T", bound=Table)
 _MISSING = "is missing"
+_OF_NAME = "[key]"
+"""Last step of pydantic's location of a name in a mapping."""
+_KINDS = {
+    "model_type": "a table",
+    "dict_type": "a table",
+    "bool_type": "true or false",
+    "string_type": "a text",
+    "int_type": "a whole number",
+}
+_BOUNDS = {"le": "at most", "ge": "at least", "lt": "less than", "gt": "more than"}
 
 
 class Entries(NamedTuple, Generic[T]):
@@ -155,6 +165,8 @@ def _entry(key: str, raw: object, position: int) -> str:
 def _key(key: str, raw: object, location: tuple[int | str, ...]) -> str:
     """Dotted key of a place inside a table."""
     for step in location:
+        if step == _OF_NAME:
+            continue
         if isinstance(step, int):
             raw = raw[step] if isinstance(raw, list) and step < len(raw) else None
             key = _entry(key, raw, step)
@@ -168,10 +180,13 @@ def keys_of(model: type[Table], location: Sequence[int | str]) -> list[str]:
     """Keys of the table at a place inside a table."""
     kind: Any = model
     for step in location:  # positions, and names in mappings, stay within a type
-        fields = (table.model_fields for table in _models(kind))
-        kind = next(
-            (known[step].annotation for known in fields if isinstance(step, str) and step in known), kind
+        fields = (
+            field
+            for table in _models(kind)
+            for name, field in table.model_fields.items()
+            if step == (field.alias or name)
         )
+        kind = next((field.annotation for field in fields), kind)
     return [field.alias or name for table in _models(kind) for name, field in table.model_fields.items()]
 
 
@@ -194,15 +209,14 @@ def _sentence(error: ErrorDetails, model: type[Table]) -> str:
         return removed or unknown(str(key), keys_of(model, error["loc"][:-1]))
     if kind == "value_error":
         return str(context["error"])
-    if kind == "model_type":
-        return f"{given}; it must be a table"
+    if kind in _KINDS:
+        return f"{given}; it must be {_KINDS[kind]}"
     if kind == "tuple_type" and (keys := keys_of(model, error["loc"])):
         return f"{given}; it must be an array of tables, [{{ ... }}, {{ ... }}], with keys {', '.join(keys)}"
     if kind == "tuple_type":
         return f"{given}; it must be a list, [ ... ]"
     if kind == "literal_error":
         return f"{given}; it must be {context['expected']}"
-    if kind in ("less_than_equal", "greater_than_equal"):
-        bound = f"at most {context['le']:g}" if "le" in context else f"at least {context['ge']:g}"
-        return f"{given}; it must be {bound}"
+    for bound in _BOUNDS.keys() & context.keys():
+        return f"{given}; it must be {_BOUNDS[bound]} {context[bound]:g}"
     return f"{given}; {error['msg'][0].lower()}{error['msg'][1:]}"

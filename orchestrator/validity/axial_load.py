@@ -28,8 +28,10 @@ def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result)
     """A sentence for each body that a joint compresses with 2 % of Euler's load of its first-order modes or more."""
     parts = {part.name: part for part in assembly.parts}
     for body in scene.bodies:
-        held = dict(holding_points(parts[body.name], assembly)) if body.name in assembly.flexible else {}
-        part, places = parts.get(body.name), _places(parts[body.name]) if held else {}
+        if body.name not in assembly.flexible:
+            continue
+        part = parts[body.name]
+        held, places = dict(holding_points(part, assembly)), _places(part)
         points = np.array([places[point] for point in sorted(held.values())])
         pressed = {
             joint: _pressed(assembly, parts, joint, body.name, places[point], points.mean(0), result)
@@ -37,7 +39,7 @@ def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result)
             if parts[joint].kind == Hinge.kind and result.has(joint, "hinge_force")
         }
         joint = max(pressed, key=lambda name: float(pressed[name].max(initial=0.0)), default="")
-        if part is None or not joint or not pressed[joint].max() > 0.0:
+        if not joint or not pressed[joint].max() > 0.0:
             continue
         row = int(pressed[joint].argmax())
         most, second = float(pressed[joint][row]), second_order_modes(part)

@@ -6,12 +6,14 @@ from collections.abc import Collection, Iterator
 
 from ..assembly import Assembly
 from ..assembly.hinges import unfollowed_curves
-from ..messages import coded, message
-from ..scene.schema import CheckedScene
+from ..messages import coded
+from ..scene.placed_scene import CheckedScene
+from ..scene.plausible import Plausible
 from .bodies import body_warnings, unlike_rigid_models
 from .cable_loops import loop_warnings
 from .idle_parts import idle_part_warnings
 from .lines import line_warnings
+from .ranges import range_warnings
 from .signal_fmus import signal_fmu_warnings
 from .start import start_warnings
 
@@ -21,8 +23,16 @@ _MOST_STEPS = 1e6
 
 def scene_warnings(scene: CheckedScene) -> list[str]:
     """All warnings about a scene, with their keys."""
-    kinds = (_many_steps, line_warnings, idle_part_warnings, loop_warnings, start_warnings, body_warnings)
-    return [sentence for of in kinds for sentence in of(scene)]
+    kinds = (
+        _steps,
+        range_warnings,
+        line_warnings,
+        idle_part_warnings,
+        loop_warnings,
+        start_warnings,
+        body_warnings,
+    )
+    return [sentence for warnings in kinds for sentence in warnings(scene)]
 
 
 def warnings_before_run(scene: CheckedScene, assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
@@ -33,12 +43,14 @@ def warnings_before_run(scene: CheckedScene, assembly: Assembly, bending: Collec
     yield from coded("W-rigid-twin", unlike_rigid_models(scene, bending))
 
 
-def _many_steps(scene: CheckedScene) -> Iterator[str]:
-    """Runs with very many steps by the largest step that the scene allows."""
-    steps = scene.header.until / scene.header.largest_step
-    if steps > _MOST_STEPS:
-        yield message(
-            "W-steps",
-            f"scene.largest_step: {scene.header.largest_step:g} s needs at least {steps:.2g} steps for "
-            f"{scene.header.until:g} s. Increase it; the tolerance still keeps steps short where motion is fast.",
-        )
+def _steps(scene: CheckedScene) -> Iterator[str]:
+    """Largest steps and steps of FMUs that are a very small part of the run, or longer than it."""
+    until = scene.header.until
+    shortest = until / _MOST_STEPS
+    reason = "a millionth of the run"
+    advice = "Increase it; the tolerance keeps steps short where motion is fast."
+    largest = Plausible("W-steps", "s", least=shortest, reason=reason, check=advice)
+    yield from largest.warnings("scene.largest_step:", scene.header.largest_step)
+    of_fmus = Plausible("W-fmu-step", "s", shortest, until, f"{reason}, or the run")
+    for fmu in scene.fmus:
+        yield from of_fmus.warnings(f"fmu.{fmu.name}.step:", until if fmu.step is None else fmu.step)

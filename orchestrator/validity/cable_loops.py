@@ -6,15 +6,13 @@ from collections.abc import Iterator
 from math import degrees
 from typing import NamedTuple
 
-from components.contract.frames import Vector3, cross, dot, norm
+from components.contract.frames import Vector3, cross, norm
 
 from ..messages import coded
 from ..scene.connection_tables import Ccl
-from ..scene.loops.coupled_lines import body_between
-from ..scene.schema import CheckedScene
+from ..scene.loops.coupled_lines import body_between, turning
+from ..scene.placed_scene import CheckedScene
 
-_STIFFEST = 1e8
-"""N/m, of five square centimetres of steel along a metre."""
 _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 
@@ -23,17 +21,6 @@ def loop_warnings(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-loop-data", _unlike_travels(scene))
     yield from coded("W-loop-data", _askew_loops(scene))
-    yield from coded("W-loop-data", _stiffest(scene))
-
-
-def _stiffest(scene: CheckedScene) -> Iterator[str]:
-    """Strands stiffer than any cable, whose vibrations need small steps."""
-    for loop in scene.loops:
-        if loop.strand_stiffness > _STIFFEST:
-            yield (
-                f"ccl.{loop.name}.strand_stiffness: {loop.strand_stiffness:g} N/m is stiffer than any cable; 1 m "
-                "of steel with 1 cm2 has 2e7 N/m. Check the unit."
-            )
 
 
 class Travels(NamedTuple):
@@ -53,14 +40,12 @@ def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
     carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
     if carrier is None:
         return None
-    first, second, middle = (_turn(scene, body, loop.axis) for body in (*bodies, carrier))
+    travels = {line.name: line.deployed_angle - line.initial_angle for line in scene.hinge_lines}
+    first, second, middle = (
+        sum((rate * travels[name] for name, rate in turning(scene, body, loop.axis).items()), 0.0)
+        for body in (*bodies, carrier)
+    )
     return Travels(first - middle, second - middle)
-
-
-def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
-    """Rotation (rad) of a body about an axis from the start until all lines are deployed."""
-    lines = [line for line in scene.lines_inward(body) if not line.held]
-    return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
 
 
 def _unlike_travels(scene: CheckedScene) -> Iterator[str]:

@@ -10,7 +10,7 @@ from components.flexible.modal import ModalData
 
 from ..assembly import Assembly
 from ..assembly.second_order import FELT, fastest_turn, held_frequency, joint_places, second_order_modes
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 
 
 def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:

@@ -8,13 +8,12 @@ from components.hold_down import HoldDown
 
 from ..messages import coded
 from ..scene.component_connections import first_number
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 
 
 def idle_part_warnings(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-idle-load", _without_load(scene))
-    yield from coded("W-fmu-step", _never_stepped(scene))
     yield from coded("W-idle-load", _released_too_late(scene))
 
 
@@ -28,16 +27,6 @@ def _without_load(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"connection.{one.name}: this load has no force and no torque, and no event or FMU sets "
                 "added_force or added_torque. Set one of them, or remove the load."
-            )
-
-
-def _never_stepped(scene: CheckedScene) -> Iterator[str]:
-    """FMUs with signals whose first step would end after the run does."""
-    for one in scene.fmus:
-        if one.step is not None and one.step > scene.header.until:
-            yield (
-                f"fmu.{one.name}: its step of {one.step:g} s is longer than the run of {scene.header.until:g} s. "
-                "Check the unit of step."
             )
 
 

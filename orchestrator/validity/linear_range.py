@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from components import ComponentError
 from components.flexible.plate import Panel
 
 from ..assembly import Assembly, Part
@@ -17,8 +16,7 @@ from ..assembly.fidelities import has_beam
 from ..messages import coded, message
 from ..results.result import Result
 from ..scene import CheckedScene
-from ..scene.bodies import body_definition
-from ..scene.body_tables import Body
+from .bodies import panel_of
 from .centrifugal_stiffening import unstiffened_rates, unstiffened_spins
 from .holding_points import holding_points
 
@@ -108,31 +106,23 @@ def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Ite
     """
     bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
-        panel = _linear_panel(bodies.get(part.name)) if part.name in assembly.flexible else None
-        bend = None if panel is None else _largest_bend(assembly, part, panel, result)
-        if panel is None or bend is None:
+        panel = panel_of(bodies[part.name]) if part.name in assembly.flexible else None
+        if panel is None or panel.plate.geometry != "linear":
             continue
-        thickness = float(np.sqrt(12.0 * panel.plate.bending[0] / panel.plate.membrane[0]))
+        bend = _largest_bend(assembly, part, panel, result)
+        if bend is None:
+            continue
+        thickness = panel.plate.equivalent_thickness
         if bend.deflection <= _THICKNESSES * thickness:
             continue
-        states_linear = "geometry" in (bodies[part.name].panel or {})
+        table = bodies[part.name].panel
+        states_linear = table is not None and "geometry" in table.model_fields_set
         yield message(
             "N-linear-plate" if states_linear else "W-linear-plate",
             f"{part.name} bent by {1e3 * bend.deflection:.3g} mm between its joints, at {bend.time:.4g} s, "
             f"{bend.deflection / thickness:.2g} times its thickness of {1e3 * thickness:.3g} mm, and its linear model "
             f'has no tension from bending. Compare with body.{part.name}.panel.geometry = "von_karman".',
         )
-
-
-def _linear_panel(body: Body | None) -> Panel | None:
-    """None for what is no panel, or stretches as it bends."""
-    if body is None or body.rigid is not None:
-        return None
-    try:
-        panel = body_definition(body).panel
-    except ComponentError:
-        return None
-    return panel if panel is not None and panel.plate.geometry == "linear" else None
 
 
 def _largest_bend(assembly: Assembly, part: Part, panel: Panel, result: Result) -> _Bend | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from math import degrees, pi
+from math import degrees, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +13,12 @@ from components.end_stop import EndStop
 from components.numerics.laws import Linear
 
 from ..assembly.hinges import contradicted_curves
-from ..messages import coded
-from ..scene.bodies import scene_points
+from ..messages import coded, message
 from ..scene.connection_tables import Connection
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.loops.coupled_lines import CoupledLines, coupled_lines
-from ..scene.schema import CheckedScene
+from ..scene.loops.coupled_lines import CoupledLines
+from ..scene.placed_scene import CheckedScene
+from ..scene.plausible import Plausible
 from .bodies import panel_of
 
 _ANGLES = 181
@@ -29,25 +29,17 @@ _TURNED = 0.2
 """rad; places are written to a few degrees, and loops close from there; tables may end as early."""
 _FLAT = 1e-3
 """rad; how far from half a turn two panels are still folded onto each other."""
-_OVERDAMPED = 2.0
-"""Damping ratio beyond which no latch is meant to brake."""
-_GIVES_WAY = pi / 6.0
-"""rad, further into which a motor does not press what is to stop it."""
-_FAR = 0.05
-"""rad, beyond which nothing that sticks gives way."""
-_ROUGHEST = 2.0
-"""Coefficient of friction, of clean metals in vacuum."""
+_WOUND = Plausible("W-end-data", "deg", most=3.0, reason="milliradians are usual")
+_PRESSED = Plausible("W-end-data", "deg", most=30.0)
 
 
 def line_warnings(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-no-end", _unstopped(scene))
-    yield from coded("W-friction-data", _unlikely_friction(scene))
     yield from coded("W-motor-short", _held_by_friction(scene))
     yield from coded("W-table-range", _beyond_tables(scene))
     yield from coded("W-overlap", _through_one_another(scene))
-    yield from coded("W-stop-before-latch", _stopped_before_latch(scene))
-    yield from coded("W-end-data", _unlikely_ends(scene))
+    yield from _ends_and_friction(scene)
     yield from coded("W-latch-inertia", _damped_by_few(scene))
     yield from coded("W-latch-curve", contradicted_curves(scene))
     yield from coded("W-free-slide", _free_along_the_line(scene))
@@ -67,85 +59,43 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose end stop lies before their latch."""
+def _ends_and_friction(scene: CheckedScene) -> Iterator[str]:
+    """End stops before the latch or too soft, presliding friction that is too soft or none."""
     for line in scene.hinge_lines:
+        key, stop = f"hinge_line.{line.name}", line.end_stop
         if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
-            yield (
-                f"hinge_line.{line.name}: its end stop at {degrees(line.stop_angle):g} deg is before its latch at "
-                f"{degrees(line.deployed_angle):g} deg, so it may not latch. Move the end stop beyond the latch."
+            yield message(
+                "W-stop-before-latch",
+                f"{key}: its end stop at {degrees(line.stop_angle):g} deg is before its latch at "
+                f"{degrees(line.deployed_angle):g} deg, so it may not latch. Move the end stop beyond the latch.",
             )
-
-
-def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
-    """Overdamped latches, soft presliding friction, end stops too soft for the motor of their line."""
-    for line in scene.hinge_lines:
-        if line.latch is not None and line.latch.damping_ratio > _OVERDAMPED:
-            ratio = line.latch.damping_ratio
-            yield (
-                f"hinge_line.{line.name}.latch.damping_ratio: {ratio:g} is {ratio:g} times critical damping. If "
-                f"{ratio:g} % is meant, write '{ratio:g} %'."
-            )
-        soft = None if line.presliding is None else line.presliding.stiffness
-        if soft and line.friction_preload > _FAR * soft:
-            wound = line.friction_preload / soft
-            yield (
-                f"hinge_line.{line.name}.presliding.stiffness: with {soft:g} N.m/rad the line turns by "
-                f"{degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m slides; "
-                "milliradians are usual. Check the unit."
-            )
-        if line.end_stop is not None and line.motor_energy > 0.5 * line.end_stop.stiffness * _GIVES_WAY**2:
-            yield (
-                f"hinge_line.{line.name}.end_stop.stiffness: with {line.end_stop.stiffness:g} N.m/rad the motor's "
-                f"{line.motor_energy:.3g} J compress the stop by more than {degrees(_GIVES_WAY):.0f} deg. Check "
-                "the unit."
-            )
-
-
-def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
-    """A friction coefficient beyond that of pins, and presliding without friction."""
-    if scene.friction.coefficient > _ROUGHEST:
-        yield (
-            f"friction.coefficient: {scene.friction.coefficient:g} is above {_ROUGHEST:g}, the largest of pins. If "
-            f"{scene.friction.coefficient:g} % is meant, write '{scene.friction.coefficient:g} %'."
-        )
-    for line in scene.hinge_lines:
+        if stop is not None:
+            pressed = degrees(sqrt(2.0 * line.motor_energy / stop.stiffness))
+            yield from _PRESSED.warnings(f"{key}.end_stop.stiffness: the motor presses the stop by", pressed)
+        if line.presliding is not None and line.presliding.stiffness:
+            wound = degrees(line.friction_preload / line.presliding.stiffness)
+            yield from _WOUND.warnings(f"{key}.presliding.stiffness: before it slides it winds up by", wound)
         if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
-            yield (
-                f"hinge_line.{line.name}.presliding: the line has no friction. Set its friction_preload, or "
-                "friction.coefficient."
-            )
+            words = "the line has no friction. Set its friction_preload, or friction.coefficient."
+            yield message("W-friction-data", f"{key}.presliding: {words}")
 
 
 def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
     """Lines, coupled lines together, whose friction and harness exceed the motor torque at some angle."""
-    groups = [group for group in coupled_lines(scene) if not group.drives]
     motors = [line.name for line in scene.hinge_lines if line.motor is not None and not line.held]
-    for name in motors:
-        if any(name in group.rates for group in groups):
-            continue
-        if (short := _first_short(scene, {name: 1.0})) is not None:
+    groups = [group for group in scene.coupled_lines if not group.drives]
+    coupled = {name for group in groups for name in group.rates}
+    alone = [CoupledLines({name: 1.0}, (), ()) for name in motors if name not in coupled]
+    for group in [*alone, *groups]:
+        if group.rates.keys() & motors and (short := _first_short(scene, group.rates)) is not None:
+            first, *others = group.rates
+            rates = " : ".join(f"{rate:.4g}" for rate in group.rates.values())
+            couple = f" (coupled with {', '.join(others)} at rates {rates})" if others else ""
             yield (
-                f"hinge_line.{name}: at {degrees(short.angle):.4g} deg its motor torque of {short.given:.4g} N.m "
-                f"is below friction and harness, {short.taken:.4g} N.m, so it may stop there. Increase the motor "
+                f"hinge_line.{first}{couple}: at {degrees(short.angle):.4g} deg the motor torque of {short.given:.4g} "
+                f"N.m is below friction and harness, {short.taken:.4g} N.m, so it may stop there. Increase the motor "
                 "torque, or reduce friction."
             )
-    for group in groups:
-        if group.rates.keys() & motors and (short := _first_short(scene, group.rates)) is not None:
-            yield _held_together(group, short)
-
-
-def _held_together(group: CoupledLines, short: _Short) -> str:
-    first, *others = group.rates
-    couple = (
-        f"{' and '.join(group.loops)} couple{'s' * (len(group.loops) == 1)} it with {' and '.join(others)}"
-    )
-    rates = " : ".join(f"{rate:.4g}" for rate in group.rates.values())
-    return (
-        f"hinge_line.{first}: {couple}, at rates {rates}; at {degrees(short.angle):.4g} deg the motors have "
-        f"{short.given:.4g} N.m in sum at its rate, below friction and harness, {short.taken:.4g} N.m, so all may "
-        "stop there. Increase the motor torques, or reduce friction."
-    )
 
 
 class _Short(NamedTuple):
@@ -240,7 +190,7 @@ def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
 
 def _through_one_another(scene: CheckedScene) -> Iterator[str]:
     """Folded panels that open through each other."""
-    points, panels = scene_points(scene), {body.name for body in scene.bodies if panel_of(body) is not None}
+    points, panels = scene.points, {body.name for body in scene.bodies if panel_of(body) is not None}
     for line in scene.hinge_lines:
         folded = abs(line.aligned_angle - line.initial_angle - pi) < _FLAT
         if line.held or not folded or not {line.inboard, line.outboard} <= panels:

@@ -13,7 +13,6 @@ from components.contract.frames import norm, subtract
 from ..assembly import Assembly
 from ..results.result import Result
 from ..scene import CheckedScene
-from ..scene.bodies import motions, scene_points
 
 _FAR = 1e-3
 """Of the largest distance of two points of a body that a joint holds: motion is wrong by as much."""
@@ -43,7 +42,7 @@ def opened_joint_warnings(scene: CheckedScene, assembly: Assembly, result: Resul
     farthest = max(found, key=lambda opened: opened.share, default=None)
     if farthest is None or farthest.share <= _FAR:
         return
-    leading = [*motions(scene), *(c.name for c in scene.connections if c.kind in _LEADING)]
+    leading = [*scene.motions, *(c.name for c in scene.connections if c.kind in _LEADING)]
     yield (
         f"{farthest.joint} opened by {1e3 * farthest.distance:.3g} mm under {farthest.force:.3g} N at "
         f"{farthest.time:.4g} s, more than a joint may. "
@@ -62,7 +61,7 @@ def _sizes(scene: CheckedScene) -> dict[str, float]:
     """Largest distance (m) between two points of every body."""
     return {
         name: max((norm(subtract(a, b)) for a, b in combinations(points.values(), 2)), default=0.0)
-        for name, points in scene_points(scene).items()
+        for name, points in scene.points.items()
     }
 
 

@@ -7,11 +7,8 @@ from pathlib import Path
 
 from ..assembly import Assembly, Event, HingeLine, SignalFmu
 from ..messages import coded
-from ..scene.schema import CheckedScene
+from ..scene.placed_scene import CheckedScene
 from ..scene.signal_tables import Fmu
-
-_MOST_STEPS = 1e6
-"""Of an FMU in a run; a millisecond each is a quarter of an hour."""
 
 
 def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
@@ -20,7 +17,6 @@ def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str
     for fmu in assembly.signal_fmus:
         if (table := tables.get(fmu.name)) is not None:
             yield from coded("W-fmu-unit", _bare_units(fmu))
-            yield from coded("W-fmu-step", _all_too_often(table, scene.header.until))
             yield from coded("W-fmu-hinges", _of_several_hinges(fmu, table, assembly.hinge_lines))
             yield from coded("W-fmu-events", _set_by_events(fmu, assembly.events))
             if fmu.is_wing:
@@ -35,15 +31,6 @@ def _bare_units(fmu: SignalFmu) -> Iterator[str]:
         yield (
             f"fmu.{fmu.name}: {Path(fmu.path).name} declares no unit for some variables, which are read as "
             f"{listed}. Check these units."
-        )
-
-
-def _all_too_often(table: Fmu, until: float) -> Iterator[str]:
-    """FMUs whose step requires very many steps of the run."""
-    if table.step is not None and until > _MOST_STEPS * table.step:
-        yield (
-            f"fmu.{table.name}: its step of {table.step:g} s requires {until / table.step:.2g} steps in {until:g} "
-            "s. Check the unit of step."
         )
 
 

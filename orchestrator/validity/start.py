@@ -15,20 +15,19 @@ from components.rail import Rail
 
 from ..assembly.driving import load_laws
 from ..assembly.locked_at_start import bolts_across
-from ..messages import coded
-from ..scene.bodies import scene_points
-from ..scene.component_connections import first_number, seated
+from ..messages import coded, message
+from ..scene.component_connections import first_number
 from ..scene.connection_tables import Connection
-from ..scene.locked_groups import joined
-from ..scene.loops.freedoms import singular_start_warnings
-from ..scene.loops.initial_assembly import closed, left_open, start_poses
-from ..scene.loops.rates import start_rates
-from ..scene.schema import CheckedScene
+from ..scene.freedoms import singular_start_warnings
+from ..scene.placed_scene import CheckedScene
+from ..scene.plausible import Plausible
 
-_DEEP = 1e-3
-"""m, by which a rail starts pressed or pulled off its plane."""
+_OFF = Plausible("W-rail-start", "mm", most=1.0, check="Correct initial_offset.")
 _AWAY = 1e-3
 """rad, from the stowed angle, where a line starts in mid-travel."""
+_WOUND = Plausible(
+    "W-drive-start", "deg", -0.057, 0.057, check="Give it the axis and angles of the line that it drives."
+)
 _CLOSED = 1e-6
 """m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
 _TURNED = 0.2
@@ -42,35 +41,39 @@ _NO_RATE = 1e-9
 def start_warnings(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-hold-down-start", _bolted_on_the_way(scene))
-    yield from coded("W-rail-start", _strained_rails(scene))
-    yield from coded("W-drive-start", _wound_drives(scene))
+    yield from _strained_rails(scene)
+    yield from _wound_drives(scene)
     yield from coded("W-open-loop", _open_at_the_start(scene))
-    yield from coded("W-singular-start", singular_start_warnings(scene))
+    yield from singular_start_warnings(scene)
     yield from coded("W-turned-start", _turned_to_close(scene))
     yield from coded("W-start-rate", _moving_from_rest(scene))
     yield from coded("W-base-turned", turned_from_the_world(scene))
     if not scene.header.preload and "preload" not in scene.header.model_fields_set:
-        yield from coded("W-start-blow", _struck_by_preload(scene))
-        yield from coded("W-start-blow", _struck_by_weight(scene))
-        yield from coded("W-start-blow", _ringing_rails(scene))
+        yield from coded("W-start-blow", _sudden_loads(scene))
 
 
-def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
-    """Loops and hold-downs whose preload acts suddenly at the start."""
-    roots = joined(scene)
-    for loop in scene.loops:
-        if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
-            yield f"ccl.{loop.name}: {_blow(loop.preload)}"
-    for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
-        preload = first_number(bolt, "preload")
-        if preload > 0.0 and len({roots[seat.body] for seat in bolt.ports.values()}) > 1:
-            yield f"connection.{bolt.name}: {_blow(preload)}"
-
-
-def _struck_by_weight(scene: CheckedScene) -> Iterator[str]:
-    """Weight and loads that act on joints suddenly at the start."""
-    loads = [one.name for one in scene.connections if one.kind == Load.kind and _acts_at_start(one)]
-    acting = ["gravity"] * (any(scene.header.gravity) and scene.base.free is None) + loads
+def _sudden_loads(scene: CheckedScene) -> Iterator[str]:
+    """Preloads, weight and loads that act suddenly at the start."""
+    groups = scene.group_roots
+    preloads = [
+        (f"ccl.{loop.name}", loop.preload, [loop.pulley_1.body, loop.pulley_2.body]) for loop in scene.loops
+    ]
+    preloads += [
+        (
+            f"connection.{bolt.name}",
+            first_number(bolt, "preload"),
+            [seat.body for seat in bolt.ports.values()],
+        )
+        for bolt in scene.connections
+        if bolt.kind == HoldDown.kind
+    ]
+    acting = [
+        f"the preload of {name} ({preload:g} N)"
+        for name, preload, bodies in preloads
+        if preload > 0.0 and len({groups[body] for body in bodies}) > 1
+    ]
+    acting += ["gravity"] * (any(scene.header.gravity) and scene.base.free is None)
+    acting += [one.name for one in scene.connections if one.kind == Load.kind and _acts_at_start(one)]
     if acting:
         yield (
             f"scene.preload: {', '.join(acting)} {'act' if len(acting) > 1 else 'acts'} suddenly at the start, "
@@ -83,40 +86,17 @@ def _acts_at_start(load: Connection) -> bool:
     return any(law.value(0.0) != 0.0 for law in load_laws(load))
 
 
-def _blow(preload: float) -> str:
-    return (
-        f"its preload of {preload:g} N acts suddenly at the start. Set scene.preload = true to start in static "
-        "equilibrium, or false if the sudden load is meant."
-    )
-
-
-def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
-    """Undamped rails that a weight loads suddenly at the start."""
-    for rail in (one for one in scene.connections if one.kind == Rail.kind):
-        if any(scene.header.gravity) and not first_number(rail, "normal_damping"):
-            yield (
-                f"connection.{rail.name}: without normal_damping it vibrates under the weight that acts suddenly "
-                "at the start, and steps stay small. Set scene.preload = true to start in static equilibrium, or "
-                "false if the vibration is meant."
-            )
-
-
 def _strained_rails(scene: CheckedScene) -> Iterator[str]:
     """Rails without stiffness, and rails that start off their plane."""
     for rail, started in _started(scene, Rail.kind):
-        stiffness, force = (
-            started.parameter("normal_stiffness"),
-            abs(float(started.observed()["normal_force"][0])),
-        )
+        stiffness, force = started.parameter("normal_stiffness"), float(started.observed()["normal_force"][0])
+        key = f"connection.{rail.name}"
         if not stiffness:
-            yield (
-                f"connection.{rail.name}: its normal_stiffness is 0, so the rail does not guide the trolley. Set "
-                "normal_stiffness."
-            )
-        elif force > _DEEP * stiffness:
-            yield (
-                f"connection.{rail.name}: initial_offset places the trolley {1e3 * force / stiffness:.4g} mm off "
-                f"its plane, a force of {force:.4g} N with this normal_stiffness. Correct initial_offset."
+            yield message("W-rail-start", f"{key}: its normal_stiffness is 0, so it guides nothing. Set one.")
+        else:
+            off = abs(force) / stiffness
+            yield from _OFF.warnings(
+                f"{key}: initial_offset presses it with {abs(force):.4g} N, by", 1e3 * off
             )
 
 
@@ -124,22 +104,17 @@ def _wound_drives(scene: CheckedScene) -> Iterator[str]:
     """Drives whose bodies start away from the commanded angle."""
     for drive, started in _started(scene, Drive.kind):
         told = {name: float(value[0]) for name, value in started.observed().items()}
-        wound = told["angle"] - told["commanded_angle"]
-        if abs(wound) > _AWAY:
-            yield (
-                f"connection.{drive.name}: its bodies start {degrees(wound):.4g} deg from the commanded angle, a "
-                f"torque of {abs(told['drive_torque']):.4g} N.m and {told['potential_energy']:.4g} J in the "
-                "gearbox. Give it the axis, aligned_angle and start_angle of the line that it drives."
-            )
+        torque, energy = abs(told["drive_torque"]), told["potential_energy"]
+        wound = f"connection.{drive.name}: with {torque:.4g} N.m and {energy:.4g} J in its gearbox it starts"
+        yield from _WOUND.warnings(
+            f"{wound} away from its command by", degrees(told["angle"] - told["commanded_angle"])
+        )
 
 
 def _started(scene: CheckedScene, kind: str) -> Iterator[tuple[Connection, Instance]]:
     """Connections of a kind, and their components where they start."""
-    found = [one for one in scene.connections if one.kind == kind]
-    points = scene_points(scene) if found else {}
-    poses = start_poses(scene, points) if found else {}
-    for one in found:
-        started = seated(one, points, poses)
+    for one in (one for one in scene.connections if one.kind == kind):
+        started = scene.seated(one)
         started.initialize()
         yield one, started
 
@@ -159,7 +134,7 @@ def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
 
 def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
     """Joints of loops that the start angles leave open."""
-    for name, size in left_open(scene, scene_points(scene)).items():
+    for name, size in scene.left_open.items():
         if size > _CLOSED:
             yield (
                 f"connection.{name}: the start angles of its hinge lines leave it open by {1e3 * size:.4g} mm (or "
@@ -171,7 +146,7 @@ def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
 def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
     """Placed bodies that joints rotate far from their placed attitude."""
     bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
-    for name, angle in closed(scene, scene_points(scene)).turned.items() if bare else ():
+    for name, angle in scene.closed.turned.items() if bare else ():
         if angle > _TURNED:
             joints = ", ".join(one.name for one in bare if name in {seat.body for seat in one.ports.values()})
             advice = f"give {joints} axes (in the world), or " if joints else ""
@@ -185,9 +160,7 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
     """Motion laws with an initial rate in a start from static equilibrium."""
     if not scene.header.preload:
         return
-    points = scene_points(scene)
-    rates = start_rates(scene, points, start_poses(scene, points))
-    if names := ", ".join(name for name, rate in rates.items() if np.abs(rate).max() > _NO_RATE):
+    if names := ", ".join(name for name, rate in scene.rates.items() if np.abs(rate).max() > _NO_RATE):
         yield (
             f"scene.preload: motion laws move {names} with a rate at t = 0, but the run starts from static "
             "equilibrium, which is a sudden load. Let the laws start at rest, or remove preload."

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from components.contract.component import Vector
 
-from ..results.key_figures import is_latch_up
+from ..results.key_figures import latch_times
 from ..results.result import Result
 from .placement import placed
 from .space import bounds, draw_bodies, scale, set_view, with_margin
@@ -89,8 +89,8 @@ def _columns(extent: Vector) -> int:
 def instants(result: Result) -> NDArray[np.int64]:
     """Rows of the pictures: equal parts of the way all hinges turn until the last latch-up, and the end of the run."""
     last = result.time.size - 1
-    latched = [time for time, _, text in result.events if is_latch_up(text)]
-    end = int(np.searchsorted(result.time, max(latched, default=result.time[-1]), side="right"))
+    last_latch_up = max(latch_times(result).values(), default=result.time[-1])
+    end = int(np.searchsorted(result.time, last_latch_up, side="right"))
     way = np.zeros(end)
     for name in result.recording("angle"):
         way[1:] += np.abs(np.diff(result.signal(name, "angle")[:end]))

@@ -1,6 +1,6 @@
 """Work and precision of one panel: our masters, libcosim on the same FMUs, and a monolithic Exudyn model.
 
-    python -m tests.benchmark.comparison [SUBJECT ...] [--rounds N] [--plot PLOT.png]
+    python -m tests.benchmark.comparison [SUBJECT ...] [--rounds N]
 
 Subjects are `rigid`, `flexible` and `lock` of `one_panel`. Our master runs with its step control and, as Exudyn does,
 with one step size before the latch and one after it; both get the same pairs of these. Every setting runs in each of
@@ -17,7 +17,6 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +25,6 @@ from fmus import Backend, native_library
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from tests.benchmark import exudyn_panel
-from tests.benchmark.error_plot import Point, plot
 from tests.benchmark.exudyn_panel import tight_steps
 from tests.benchmark.hosts.libcosim_wing import Attempt, Lines, co_simulate, cost_of_step, largest_step
 from tests.benchmark.models.exudyn_model import Steps
@@ -168,7 +166,7 @@ def errors(trial: Trial, reference: Trial) -> tuple[float, float]:
     return found if max(found) < _OFF else (np.nan, np.nan)
 
 
-def compare(subject: Subject, count: int) -> list[Row]:
+def compare(subject: Subject, count: int) -> None:
     """Run and print one subject."""
     assembly = subject.assembly()
     _, ours = couple(as_fmus(assembly), assembly, Settings(tolerance=1e-6))
@@ -185,7 +183,6 @@ def compare(subject: Subject, count: int) -> list[Row]:
     ]
     print_rows(rows)
     print_levels(rows)
-    return rows
 
 
 def print_rows(rows: Sequence[Row]) -> None:
@@ -226,25 +223,15 @@ def _fastest(rows: Sequence[Row], series: str, level: float) -> float:
     return min(walls, default=np.nan)
 
 
-def as_points(rows: Sequence[Row]) -> list[Point]:
-    """What the picture of a subject shows."""
-    return [
-        Point(r.entry.series, r.entry.setting, *r.ours, r.trial.wall, r.trial.steps, r.entry.estimated)
-        for r in rows
-    ]
-
-
 def main() -> None:
     """Command line."""
     parser = ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     known = subjects()
     parser.add_argument("subject", nargs="*", default=list(known), help=", ".join(known))
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--plot", type=Path, default=Path("comparison.png"))
     chosen = parser.parse_args()
-    results = {known[name].name: compare(known[name], chosen.rounds) for name in chosen.subject}
-    plot({title: as_points(rows) for title, rows in results.items()}, chosen.plot)
-    print(f"\n{chosen.plot}")
+    for name in chosen.subject:
+        compare(known[name], chosen.rounds)
 
 
 if __name__ == "__main__":

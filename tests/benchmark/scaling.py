@@ -1,6 +1,6 @@
 """Cost of a step against the number of panels: our master beside monolithic Exudyn models of the same chains.
 
-    python -m tests.benchmark.scaling [--largest 128] [--steps 200] [--rounds 3] [--plot PLOT.png]
+    python -m tests.benchmark.scaling [--largest 128] [--steps 200] [--rounds 3]
 
 Chains of 2 to 128 panels, folded like an accordion, opened by their springs; every model takes the same number of
 steps of 5 ms, its iteration converged to 1e-6 (relative). Ours and "bushings" have the same six-axis bushings
@@ -14,13 +14,10 @@ from __future__ import annotations
 
 from argparse import ArgumentParser
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from fmus import Backend, native_library
 from orchestrator.cosim.compiled_master import CompiledMaster
@@ -124,33 +121,12 @@ def slope(results: dict[int, list[Cell]], i: int) -> float:
     return float(np.log(cost_b / cost_a) / np.log(b / a))
 
 
-def plot(results: dict[int, list[Cell]], names: Sequence[str], path: Path) -> None:
-    """Cost against panels, log-log."""
-    figure = Figure(figsize=(9.0, 5.0), layout="constrained")
-    axis = figure.subplots()
-    for i, name in enumerate(names):
-        style = "o-" if name.startswith("ours") else "s--" if "FMU" in name else "^:"
-        costs = [1e6 * cells[i].cost for cells in results.values()]
-        label = name if name.startswith(("ours", "Python")) else f"Exudyn, {name}"
-        axis.loglog(list(results), costs, style, label=label, base=10)
-    axis.set(
-        xlabel="panels", ylabel="wall time of a step, us", title=f"Chains of panels, steps of {STEP:g} s"
-    )
-    axis.set_xticks(list(results), [str(n) for n in results], minor=False)
-    axis.minorticks_off()
-    axis.grid(visible=True, which="major", alpha=0.3)
-    figure.legend(loc="outside right center", fontsize="small")
-    FigureCanvasAgg(figure)
-    figure.savefig(path, dpi=120)
-
-
 def main() -> None:
     """Command line."""
     parser = ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--largest", type=int, default=128)
     parser.add_argument("--steps", type=int, default=200)
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--plot", type=Path, default=Path("scaling.png"))
     chosen = parser.parse_args()
     measured = series(chosen.steps)
     results: dict[int, list[Cell]] = {}
@@ -160,8 +136,6 @@ def main() -> None:
         print(f"{n} panels measured", flush=True)
         n *= 2
     table(results, list(measured))
-    plot(results, list(measured), chosen.plot)
-    print(f"\n{chosen.plot}")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ FMUs are loaded in subprocesses, because a fault in a binary would end pytest.
 
 from __future__ import annotations
 
-import re
 import zipfile
 from functools import cache
 from xml.etree import ElementTree
@@ -15,12 +14,12 @@ from fmpy.validation import validate_fmu
 
 from components import ComponentError
 from fmus import check_fmu, native_backend, native_library
-from fmus.archive import zip_bytes
 from tests.conformance.programs import apart
 from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import CHECKS as LATCHING
 from tests.conformance.programs.latching import START, hinge
 from tests.conformance.programs.toy import Toy
+from tests.conformance.test_check import spoiled
 from tests.conformance.test_fmus import rows_alone
 
 NATIVE = [kind for kind, component in KINDS.items() if native_backend(component.example())]
@@ -166,14 +165,6 @@ DESCRIPTION = "modelDescription.xml"
     ],
 )
 def test_check_names_each_problem(tmp_path, member, pattern, replacement, sentence):
-    with zipfile.ZipFile(path_of("hinge")) as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
-    (name,) = (name for name in files if re.fullmatch(member, name))
-    text = files.pop(name)
-    if replacement is not None:
-        files[name] = re.sub(pattern, replacement, text)
-        assert files[name] != text
-    path = tmp_path / "spoiled.fmu"
-    path.write_bytes(zip_bytes(files))
+    path = spoiled(path_of("hinge"), tmp_path, member, pattern, replacement)
     problems = check_fmu(path)
     assert any(sentence in problem for problem in problems), problems

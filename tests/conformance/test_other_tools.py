@@ -6,10 +6,10 @@ start values.
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from functools import cache
 
+import fmpy.cli
 import numpy as np
 import pytest
 from fmpy import read_model_description, simulate_fmu
@@ -75,22 +75,29 @@ def test_a_quaternion_of_zeros_is_named(kind):
     assert f"input {name} is zero; connect it" in b" ".join(said).decode()
 
 
-def simulated(kind, fmi, interface, folder):
-    """Rows of FMPy's result file, time first; nothing may be said."""
-    found = folder / f"{interface}{fmi}.csv"
-    plain = ["simulate", path_of(kind, fmi), "--interface-type", interface, "--stop-time", str(STOP)]
-    command = [sys.executable, "-P", "-m", "fmpy", *plain, "--output-file", str(found)]
-    run = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120)
-    assert (run.returncode, run.stdout, run.stderr[-2000:]) == (0, "", ""), run.args
-    lines = found.read_text().splitlines()[1:]
-    return np.array([line.replace(",", " ").split() for line in lines], dtype=float)  # arrays are one column
+@pytest.fixture
+def simulated(tmp_path, monkeypatch, capfd):
+    """Rows of FMPy's result file, time first, by kind, version and interface; nothing may be said."""
+
+    def simulate(kind, fmi, interface):
+        found = tmp_path / f"{interface}{fmi}.csv"
+        plain = ["simulate", path_of(kind, fmi), "--interface-type", interface, "--stop-time", str(STOP)]
+        monkeypatch.setattr(sys, "argv", ["fmpy", *plain, "--output-file", str(found)])
+        fmpy.cli.main()
+        assert tuple(capfd.readouterr()) == ("", "")
+        lines = found.read_text().splitlines()[1:]
+        return np.array(
+            [line.replace(",", " ").split() for line in lines], dtype=float
+        )  # arrays are one column
+
+    return simulate
 
 
 @pytest.mark.parametrize("kind", REGISTRY)
-def test_runs_by_the_plain_command(kind, tmp_path):
+def test_runs_by_the_plain_command(kind, simulated):
     """To the stop time, and the solver's end is that of the component's own steps, but for moments over a step."""
-    stepped = [simulated(kind, *interface, tmp_path) for interface in INTERFACES[1:]]
-    exchanged = stepped[0] if kind in CO_SIMULATION_ONLY else simulated(kind, *INTERFACES[0], tmp_path)
+    stepped = [simulated(kind, *interface) for interface in INTERFACES[1:]]
+    exchanged = stepped[0] if kind in CO_SIMULATION_ONLY else simulated(kind, *INTERFACES[0])
     for rows in (exchanged, *stepped):
         assert (rows[0, 0], rows[-1, 0]) == (0.0, pytest.approx(STOP, abs=1e-9))
         assert np.all(np.diff(rows[:, 0]) >= 0.0)

@@ -11,14 +11,18 @@ from typing import Any
 import numpy as np
 
 from components.flexible.modal import ModalData
+from fmus import native_library
 from orchestrator.assembly import Event, HingeLine, Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Master
+from orchestrator.cosim.native.library import library
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import Participant, in_process
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from tests.references.record import Record
+
+HAS_NATIVE = native_library() is not None and library() is not None
 
 
 @dataclass
@@ -64,8 +68,13 @@ def prepared(
     return run
 
 
-def completed(until: float, parts: Sequence[Part], *scene: Any, native: bool = False, **options: Any) -> Run:
-    """The scene of `prepared` after running to `until` (s); as native FMUs, it is unloaded in the end."""
+def completed(
+    until: float, parts: Sequence[Part], *scene: Any, native: bool = HAS_NATIVE, **options: Any
+) -> Run:
+    """The scene of `prepared` after running to `until` (s); as native FMUs, it is unloaded in the end.
+
+    Native FMUs are equal to the components (tests/conformance) and take a tenth of their time.
+    """
     assembly = SimpleNamespace(name="scene", parts=parts)
     with as_fmus(assembly, "native") if native else nullcontext(in_process(parts)) as participants:  # type: ignore[arg-type]
         run = prepared(parts, *scene, participants=participants, **options)

@@ -11,7 +11,7 @@ import numpy as np
 
 from components.contract.frames import Vector3
 from orchestrator.scene.bodies import body_model, body_points
-from orchestrator.scene.body_tables import Body
+from tests.references import catalogue
 
 Table = dict[str, Any]
 
@@ -143,7 +143,7 @@ def _width(dice: Dice, before: Entry | None, after: Entry | None) -> float:
 
 def _widths(entry: Entry) -> tuple[float, float]:
     """Half the distances (m) of the hinges of both lines of an entry; 0 where there is no outboard one."""
-    points = body_points(Body(name="body", catalogue=entry.name))
+    points = body_points(catalogue.body({"catalogue": entry.name}))
     return _half(points, entry.inboard), _half(points, entry.outboard)
 
 
@@ -185,7 +185,7 @@ def _catalogue(dice: Dice, name: str, entry: Entry) -> Piece:
     if dice.chance(0.3):
         point = (entry.outboard or entry.inboard)[-1]
         table["attached_masses"] = [{"point": point, "mass": dice.decades(0.1, 10.0)}]
-    body = Body.model_validate(table)
+    body = catalogue.body(table)
     model, points = body_model(body, flexible=False), body_points(body)
     root = points[entry.inboard[0]][0]
     length = points[entry.outboard[0]][0] - root if entry.outboard else 0.0

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.statics.configuration import configuration, with_angles
+from orchestrator.assembly.statics.configuration import configuration
 from orchestrator.assembly.statics.linear_model import linearise, normal_modes
 from orchestrator.assembly.statics.mechanism import Mechanism
 from orchestrator.assembly.statics.placed_body import PlacedBody
@@ -43,7 +43,7 @@ _UNDAMPED: dict[str, dict[str, Any]] = {
 def undamped_wing(scene: str, variants: Sequence[str]) -> Assembly:
     """Bodies and hinges of a scene, deployed, without damping, friction, motors, harness, dampers and cables."""
     loaded = load_scene(find_scene(scene), variants)
-    found = assemble(with_angles(loaded, configuration(loaded, "deployed").angles))
+    found = assemble(loaded.with_angles(configuration(loaded, "deployed").angles))
     parts = {p.name: p for p in found.parts if p.kind in ("body", "fixed_base", "hinge")}
     links = tuple(link for link in found.links if link.connection[0] in parts)
     used = {link.body for link in links}

@@ -11,9 +11,9 @@ import numpy as np
 
 import orchestrator as fanfold
 from components.body_parts.ports import BodyPorts
-from components.catalogue import read_body
 from components.contract.component import Vector
 from components.contract.frames import rotation_matrix
+from tests.references.catalogue import built
 
 LENGTH, RATE, RISE = 10.0, 6.0, 15.0
 """m, rad/s, s"""
@@ -68,7 +68,7 @@ def seen_from_the_base(t: Vector, tip: Vector) -> tuple[Vector, Vector]:
 
 def tip_of_modal(result: fanfold.Result, pieces: int, elements: int, modes: int, second_order: int) -> Vector:
     """Positions (T, 3) of the tip of a boom of modal bodies."""
-    definition = read_body({"beam": _beam(pieces, elements)}, lambda value, unit, sign: float(value))
+    definition = built({"beam": _beam(pieces, elements)})
     data = definition.flexible(modes, second_order_modes=second_order)
     tip = BodyPorts(data, [{"name": "tip", "point": "tip"}])
     names = ("frame_position", "frame_orientation", "modal_coordinate")

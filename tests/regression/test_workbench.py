@@ -5,8 +5,8 @@ from math import acos, sqrt
 import numpy as np
 import pytest
 
-from components import catalogue
 from components.flexible.reduction import fixed_interface_frequencies
+from tests.references import catalogue
 
 from .scene_runs import RUNS
 

@@ -1,1 +1,1 @@
-"""Matrices and nodes that CalculiX, Abaqus and Ansys write as text."""
+"""Matrices and nodes as text, those of CalculiX among them."""

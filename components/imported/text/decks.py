@@ -1,4 +1,4 @@
-"""Nodes of input decks: *NODE of Abaqus and CalculiX (.inp), NWRITE (.node) and CDWRITE (.cdb) of Ansys."""
+"""Nodes of input decks of CalculiX (.inp): *NODE, of included files too."""
 
 from __future__ import annotations
 
@@ -13,33 +13,24 @@ import numpy as np
 from ...contract.component import ComponentError, Vector
 from ...contract.regular import is_regular
 from ..opening import reading
-from .entries import text_lines
 
-DECKS = (".inp", ".node", ".cdb")
+DECK = ".inp"
 _NODE_AND_X = 2
-_PLACE = 7
-"""Numbers of an instance's place: a translation, or two points of an axis and an angle."""
 
 
 def read_deck(path: Path) -> Vector:
     """Node, x, y, z (N, 4) in the deck's axes; ComponentError where nodes have axes of their own, or there are none."""
-    readers = {".inp": _inp, ".node": _node, ".cdb": _cdb}
-    rows = list(readers[path.suffix.lower()](path))
+    rows = list(_nodes(path))
     if not rows:
         raise ComponentError(f"{path.name}: has no nodes; it is no deck with coordinates, or cut off")
     return np.array(rows)
 
 
-def _inp(path: Path) -> Iterator[list[float]]:
+def _nodes(path: Path) -> Iterator[list[float]]:
     keyword, lines = "", list(_keywords_and_rows(path))
     glob = any("GLOBAL=YES" in text.upper().replace(" ", "") for _, _, text in lines if text.startswith("*"))
     for file, number, text in lines:
         if not text.startswith("*"):
-            if keyword == "*INSTANCE" and _moves(_row(file, number, text.split(","), _PLACE)):
-                raise ComponentError(
-                    f"{file}: line {number}: {text!r} puts an instance elsewhere than its part; give the nodes where "
-                    "they are in the assembly, as a deck without parts and instances does"
-                )
             if keyword == "*NODE":
                 words = text.split(",")
                 if len(words) < _NODE_AND_X:
@@ -49,17 +40,16 @@ def _inp(path: Path) -> Iterator[list[float]]:
                 yield _row(file, number, words)
             continue
         keyword, _, parameters = text.upper().replace(" ", "").partition(",")
+        if keyword == "*INSTANCE":
+            raise ComponentError(
+                f"{file}: line {number}: {text} may move the nodes of a part; give a deck without parts and instances"
+            )
         turned = keyword == "*TRANSFORM" and not glob
         if turned or keyword == "*SYSTEM" or (keyword == "*NODE" and re.search("SYSTEM=[CS]", parameters)):
             raise ComponentError(
                 f"{file}: line {number}: {text} gives nodes axes of their own; give all coordinates in one rectangular "
                 "system, and matrices in its axes (CalculiX: GLOBAL=YES)"
             )
-
-
-def _moves(place: list[float]) -> bool:
-    """Whether a translation, or a rotation by its last number about an axis, does anything."""
-    return place[-1] != 0.0 if any(place[3:]) else any(place)
 
 
 def included(path: Path) -> list[Path]:
@@ -124,53 +114,12 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     return ((number, text) for number, text in stripped if text and not text.startswith("**"))
 
 
-def _node(path: Path) -> Iterator[list[float]]:
-    """Node, x, y, z and angles of the node's axes; what is zero up to the end is not written."""
-    for number, line in text_lines(path):
-        row = _row(path.name, number, line.replace(",", " ").split(), 7)
-        yield _straight(path, number, row, row[4:])
-
-
-def _cdb(path: Path) -> Iterator[list[float]]:
-    """The NBLOCK: node, two numbers, then x, y, z and angles in fields whose widths stand in the line before them."""
-    within, widths = "", (9, 3, 21)
-    for number, line in enumerate(path.read_text(encoding="latin-1").splitlines(), 1):
-        if line.upper().startswith("NBLOCK"):
-            within = "format"
-        elif within == "format":
-            found = re.match(r"\((\d+)i(\d+),\d+[eg](\d+)", line.strip().lower())
-            if found is None:
-                raise ComponentError(
-                    f"{path.name}: line {number}: {line.strip()!r} is no format of an NBLOCK"
-                )
-            widths, within = (int(found.group(2)), int(found.group(1)), int(found.group(3))), "rows"
-            if not widths[0] or not widths[2]:
-                raise ComponentError(f"{path.name}: line {number}: {line.strip()!r} has fields of no width")
-        elif within == "rows":
-            if line.upper().startswith("N,") or line.strip().startswith("-1"):
-                return
-            width, integers, each = widths
-            start = width * integers
-            words = [line[:width], *(line[k : k + each] for k in range(start, len(line.rstrip()), each))]
-            row = _row(path.name, number, words, 7)
-            yield _straight(path, number, row, row[4:])
-
-
-def _straight(path: Path, number: int, row: list[float], angles: list[float]) -> list[float]:
-    if any(angles):
-        raise ComponentError(
-            f"{path.name}: line {number}: node {row[0]:g} has axes of its own; turn all nodes into the global ones "
-            "(NROTAT)"
-        )
-    return row[:4]
-
-
-def _row(file: str, number: int, words: list[str], length: int = 4) -> list[float]:
-    """Numbers of a row, zeros where it ends early."""
+def _row(file: str, number: int, words: list[str]) -> list[float]:
+    """Node, x, y, z; zeros where the row ends early."""
     try:
-        row = [float(word) if word.strip() else 0.0 for word in words[:length]]
+        row = [float(word) if word.strip() else 0.0 for word in words[:4]]
     except ValueError:
         raise ComponentError(
             f"{file}: line {number}: {','.join(words)[:40]!r} is no node with its place"
         ) from None
-    return row + [0.0] * (length - len(row))
+    return row + [0.0] * (4 - len(row))

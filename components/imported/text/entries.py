@@ -1,8 +1,8 @@
-"""Entries of matrices in columns: .sti and .mas of CalculiX, .mtx of Abaqus; and whose degrees of freedom they are.
+"""Entries of matrices in columns, .sti and .mas of CalculiX among them; and whose degrees of freedom they are.
 
-CalculiX (*FREQUENCY, SOLVER=MATRIXSTORAGE): row, column and value of one triangle, counted from 1; each line of its
-.dof is node.direction. Abaqus (*MATRIX OUTPUT): with FORMAT=MATRIX INPUT node, degree of freedom, node, degree of
-freedom, value; with FORMAT=COORDINATE row, column, value. Mapping files of Ansys (HBMAT): equation, node, name.
+Three columns are row, column and value, counted from 1, of one triangle or both. Five are node and component of the
+row, those of the column, and value. Each line of the .dof of CalculiX (*FREQUENCY, SOLVER=MATRIXSTORAGE) is
+node.direction.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from .labelled import Entries, LabelledMatrix, labelled
 _COMMENTS = ("#", "*", "%")
 _ROW_AND_COLUMN, _NODES = 3, 5
 """Columns of a table with entries by row and column, by nodes and components."""
-_NAMES = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
 
 
 def text_lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -64,12 +63,8 @@ def read_entries(path: Path) -> Vector | Entries | LabelledMatrix:
     places = _whole(path, table[:, :-1])
     if columns == _ROW_AND_COLUMN:
         return Entries(path.name, places[:, 0] - 1, places[:, 1] - 1, table[:, -1])
-    inner = places[:, (0, 2)].min()
-    if inner < 1:
-        raise ComponentError(
-            f"{path.name}: node {inner} is internal to Abaqus, which has no place; use elements and constraints "
-            "without internal nodes, or condense these out"
-        )
+    if (lowest := places[:, (0, 2)].min()) < 1:
+        raise ComponentError(f"{path.name}: node {lowest} is none; nodes count from 1")
     return labelled(path.name, places[:, :2], places[:, 2:], table[:, -1])
 
 
@@ -81,13 +76,11 @@ def _whole(path: Path, values: Vector) -> Integers:
 
 
 def read_dofs(path: Path) -> Vector:
-    """Node and component of every row (n, 2): .dof of CalculiX, .mapping of Ansys, or two columns."""
+    """Node and component of every row (n, 2): .dof of CalculiX, or two columns."""
     if path.suffix.lower() == ".dof":
         return np.array(
             [_node_and_direction(path, number, line) for number, line in text_lines(path)], dtype=float
         )
-    if path.suffix.lower() == ".mapping":
-        return _mapping(path)
     return read_columns(path)
 
 
@@ -98,20 +91,3 @@ def _node_and_direction(path: Path, number: int, line: str) -> tuple[int, int]:
             f"{path.name}: line {number}: {line[:40]!r} is no node.direction with a direction from 1 to 6"
         )
     return int(node), int(direction)
-
-
-def _mapping(path: Path) -> Vector:
-    """Equations in order, whatever the order of the lines; the heading has no numbers."""
-    found: dict[int, tuple[int, int]] = {}
-    for number, line in text_lines(path):
-        words = line.replace(",", " ").split()
-        if not words[0].isdecimal():
-            continue
-        if len(words) < 3 or not words[1].isdecimal() or words[2].upper() not in _NAMES:
-            raise ComponentError(
-                f"{path.name}: line {number}: {line[:40]!r} is no equation, node and one of {', '.join(_NAMES)}"
-            )
-        found[int(words[0])] = int(words[1]), _NAMES[words[2].upper()]
-    if sorted(found) != list(range(1, len(found) + 1)):
-        raise ComponentError(f"{path.name}: equations are not 1 to {len(found)}; the file is cut off")
-    return np.array([found[equation] for equation in sorted(found)], dtype=float).reshape(-1, 2)

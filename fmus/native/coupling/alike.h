@@ -1,5 +1,5 @@
 /* Steps of a run that others make again, which differ from it by parameters or drives: what those differ by holds no
-   error of step sizes or of iterations, and so tells derivatives (see neighbours.h). */
+   error of step sizes or of iterations, and so tells derivatives. */
 
 #ifndef FANFOLD_ALIKE_H
 #define FANFOLD_ALIKE_H

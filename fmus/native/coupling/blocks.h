@@ -214,27 +214,4 @@ VECTORISED static void solve_blocks(const Matrix *m, double *b) {
     }
 }
 
-/* The same for several right-hand sides, b (size, columns). */
-VECTORISED static void solve_blocks_columns(const Matrix *m, double *b, size_t columns) {
-    for (size_t k = 0; k < m->groups; k++) {
-        double *own = b + m->begin[k] * columns;
-        solve_dense(m->values + m->blocks[k].offset, m->begin[k + 1] - m->begin[k], m->pivots + m->begin[k], own, columns);
-        for (size_t l = m->lower_begin[k]; l < m->lower_begin[k + 1]; l++) {
-            const MatrixBlock *below = m->blocks + m->lower[l];
-            const size_t row = m->begin[below->row_group], rows = m->begin[below->row_group + 1] - row;
-            subtract_product(b + row * columns, columns, m->values + below->offset, below->columns,
-                             own + below->first * columns, columns, rows, below->columns, columns);
-        }
-    }
-    for (size_t k = m->groups; k-- > 0;) {
-        const size_t rows = m->begin[k + 1] - m->begin[k];
-        for (size_t u = m->upper_begin[k]; u < m->upper_begin[k + 1]; u++) {
-            const MatrixBlock *right = m->blocks + m->upper[u];
-            subtract_product(b + m->begin[k] * columns, columns, m->values + right->offset, right->columns,
-                             b + (m->begin[right->column_group] + right->first) * columns, columns, rows,
-                             right->columns, columns);
-        }
-    }
-}
-
 #endif

@@ -382,84 +382,6 @@ EXPORT int coupling_observe(Network *n) {
     return 1;
 }
 
-/* Sweep the neighbours that iterate; 1 or 0, with `at` the one that failed. */
-static int sweep_neighbours(Neighbours *all, const Led *led) {
-    for (all->at = 0; all->at < all->count; all->at++) {
-        Neighbour *b = all->neighbour + all->at;
-        double *column = all->changes + all->at;
-        if (!b->iterates) {
-            for (size_t i = 0; i < b->network->size; i++) column[i * all->count] = 0.0;
-            continue;
-        }
-        b->network->iteration++;
-        if (!coupling_sweep(b->network, b->time, b->h)) return 0;
-        note_residual(b, led, column, all->count);
-    }
-    return 1;
-}
-
-static int any_iterates(const Neighbours *all) {
-    for (size_t k = 0; k < all->count; k++)
-        if (all->neighbour[k].iterates) return 1;
-    return 0;
-}
-
-/* Have all neighbours step from their saved states: by wrenches that are the leader's but for what the guesses differ
-   by, corrected until only rounding or next to nothing of the difference is left; 1, or 0 with `at` one that fails. */
-static int solve_beside(Neighbours *all, const Led *led) {
-    for (size_t sweeps = 1; any_iterates(all); sweeps++) {
-        if (!sweep_neighbours(all, led)) return 0;
-        if (sweeps == NEIGHBOUR_REFRESHED) assemble(led->network);
-        directions(led->network, all->changes, all->ordered, all->count);
-        for (size_t k = 0; k < all->count; k++)
-            if (all->neighbour[k].iterates) take_correction(all->neighbour + k, led, all->changes + k, all->count);
-    }
-    for (all->at = 0; all->at < all->count; all->at++)
-        if (all->neighbour[all->at].astray) return 0;
-    return 1;
-}
-
-/* One neighbour through a step h from its guess, which its wrenches hold; 1 or 0. */
-EXPORT int coupling_beside(Neighbours *one, const Led *led, double time, double h) {
-    one->neighbour->time = time;
-    start_beside(one->neighbour, led, h);
-    return solve_beside(one, led);
-}
-
-/* Accept the step of a neighbour; 1 or 0. */
-static int accept_beside(const Loop *l, Neighbour *b) {
-    Network *n = b->network;
-    if (!coupling_observe(n) || !coupling_accept(n, b->time + 0.5 * b->h, b->h)) return 0;
-    b->time += b->h;
-    hold_row(&b->rows, n, b->energy_start, b->time, b->h, l->sizes->order == 4 && l->position > 0);
-    return 1;
-}
-
-/* Have all neighbours make the step just solved, of a last one as much as is left of their own time; 1 or 0. */
-static int lead_neighbours(Loop *l) {
-    Network *n = l->network;
-    Neighbours *all = l->neighbours;
-    const int last = l->time + l->h >= l->until - l->rules->time_rounding;
-    size_t sweeps = 0;
-    if (!all) return 1;
-    coupling_predict(n, l->time + 0.5 * l->h, l->h, l->guess);
-    for (size_t i = 0; i < n->size; i++) n->residual[i] = n->law[i] - n->wrenches[i];
-    if (all->sluggish) assemble(n);
-    const Led led = {n, l->guess, n->wrenches, n->residual};
-    for (Neighbour *b = all->neighbour; b < all->neighbour + all->count; b++) {
-        const double h = last ? l->until - b->time : l->h;
-        coupling_predict(b->network, b->time + 0.5 * h, h, b->network->wrenches);
-        start_beside(b, &led, h);
-    }
-    if (!solve_beside(all, &led)) return 0;
-    for (all->at = 0; all->at < all->count; all->at++) {
-        if (!accept_beside(l, all->neighbour + all->at)) return 0;
-        sweeps += all->neighbour[all->at].network->iteration;
-    }
-    all->sluggish = sweeps > (2 + NEIGHBOUR_SLUGGISH) * all->count;
-    return 1;
-}
-
 /* Solve the next step of a run, or go on with the matrices that it wanted. */
 static int solve_next(Loop *l) {
     Network *n = l->network;
@@ -486,7 +408,6 @@ static int follow_step(Loop *l) {
     if (judged == PAUSED) l->rejected++;
     if (judged != STANDS) return judged;
     if (has_crossed(l, l->h) || l->time + l->h >= l->break_time - l->rules->break_reached) return STANDS;
-    if (!lead_neighbours(l)) return FAILED;
     if (!coupling_accept(l->network, l->time + 0.5 * l->h, l->h)) return FAILED;
     count_step(l, l->h);
     return PAUSED;

@@ -5,7 +5,8 @@
 #ifndef FANFOLD_LOOP_H
 #define FANFOLD_LOOP_H
 
-#include "neighbours.h"
+#include "rows.h"
+#include "system.h"
 #include "prediction.h"
 
 enum { TRIALS = 4 };
@@ -37,7 +38,7 @@ typedef struct {
 } Rules;
 
 /* A distance that falls through zero where a line latches or a condition holds: (value - *place) / scale; rate: at
-   which it fell over the last step, where there are neighbours. */
+   which it fell over the last step. */
 typedef struct {
     const double *place;
     double value, scale, before, rate;
@@ -47,8 +48,7 @@ typedef struct {
    fixed_step (s): 0 for none; plan (planned,): sizes of the steps to make, NULL for none; crossings: those of lines,
    then those of conditions; strikes: of stops and contacts that nothing has struck, by how far they are from that; laws: places of times to breaks, the first of them, bolts, of hold-downs, whose next release
    is at release_time; steps (capacity,): sizes made; position: steps of the segment; parts, stood: of a fixed
-   step, as in DividedStep of stepping.py; status: of the coupled step at hand; neighbours: runs beside this one or NULL,
-   guess (size,): room for them. */
+   step, as in DividedStep of stepping.py; status: of the coupled step at hand. */
 typedef struct {
     Network *network;
     StepSizes *sizes;
@@ -58,8 +58,7 @@ typedef struct {
     Crossing *crossing, *strike;
     const double *const *law;
     const double *plan, *energy_start;
-    double *steps, *guess;
-    Neighbours *neighbours;
+    double *steps;
     RowBlock rows;
     double time, until, stop, break_time, release_time, event_time, fixed_step, ready_step, h;
     size_t lines, crossings, strikes, laws, bolts, planned, capacity, made, position, parts, stood, rejected, wanted, status;
@@ -188,16 +187,6 @@ static int is_due(const Loop *l) {
     return 0;
 }
 
-/* A step towards a distance that would be zero soon after it, such that the one that meets it is no tiny one: with
-   neighbours, which meet it a little earlier or later in the same step. */
-static double before_crossing(const Loop *l, double h) {
-    for (const Crossing *c = l->crossing; l->neighbours && c < l->crossing + l->crossings; c++) {
-        const double left = c->before / c->rate;
-        if (left > h && left < l->rules->shared * h) return 0.5 * left;
-    }
-    return h;
-}
-
 static double next_step(const Loop *l) {
     const double remaining = fmin(l->until, l->break_time) - l->time;
     const int controlled = !l->plan && l->fixed_step == 0.0;
@@ -206,7 +195,7 @@ static double next_step(const Loop *l) {
                                          : size_now(l);
     if (remaining < l->rules->stretched * h) return remaining;
     if (!controlled) return h;
-    return remaining < l->rules->shared * h ? 0.5 * remaining : before_crossing(l, h);
+    return remaining < l->rules->shared * h ? 0.5 * remaining : h;
 }
 
 static void count_step(Loop *l, double h) {

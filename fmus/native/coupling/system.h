@@ -149,15 +149,4 @@ VECTORISED static void direction(const Network *n, const double *residual, doubl
         memcpy(result + wrench * i, m->ordered + n->link[i].place, wrench * sizeof(double));
 }
 
-/* The same of several residuals (size, columns), in place; ordered: room for as much. */
-static void directions(const Network *n, double *residuals, double *ordered, size_t columns) {
-    if (n->singular) return;
-    const size_t count = n->width.wrench * columns;
-    for (size_t i = 0; i < n->links; i++)
-        memcpy(ordered + n->link[i].place * columns, residuals + count * i, count * sizeof(double));
-    solve_blocks_columns(&n->matrix, ordered, columns);
-    for (size_t i = 0; i < n->links; i++)
-        memcpy(residuals + count * i, ordered + n->link[i].place * columns, count * sizeof(double));
-}
-
 #endif

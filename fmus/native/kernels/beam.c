@@ -45,12 +45,13 @@ static int prepare(void *self, const double *p, Reason *why) {
     memcpy(beam->start_angular_velocity, p + P_INITIAL_ANGULAR_VELOCITY, sizeof beam->start_angular_velocity);
     memcpy(beam->gravity, p + P_GRAVITY, sizeof beam->gravity);
     beam->damping = p[P_STIFFNESS_DAMPING];
-    beam->quasi_static = p[P_QUASI_STATIC] >= 0.5;
+    memcpy(beam->start_displacements, p + P_INITIAL_DISPLACEMENT, 3 * beam->nodes * sizeof(double));
+    memcpy(beam->start_rotations, p + P_INITIAL_DISPLACEMENT + 3 * beam->nodes, 3 * beam->nodes * sizeof(double));
     beam->start_of_factors.known = beam->end_of_step.known = 0;
     return 1;
 }
 
-/* Undeformed, placed and moving like a rigid body as the initial parameters say. */
+/* Placed, bent and moving like a rigid body as the initial parameters say. */
 static int initial(void *self, const double *u, double *x, Reason *why) {
     const Beam *beam = self;
     const Quaternion q = quaternion_normalized(quaternion_of(beam->start_orientation));
@@ -61,7 +62,8 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     rotation_matrix(q, a);
     x[X_HEAT] = 0.0;
     for (size_t n = 0; n < beam->nodes; n++) {
-        Vector3 position = matrix_times(a, vector_of(beam->positions + 3 * n));
+        Vector3 position = vector_add(vector_of(beam->positions + 3 * n), vector_of(beam->start_displacements + 3 * n));
+        position = matrix_times(a, position);
         position = vector_add(vector_of(beam->start_position), position);
         center = vector_add(center, vector_scaled(beam->weights[n], position));
         mass += beam->weights[n];
@@ -69,7 +71,9 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     }
     center = vector_scaled(1.0 / mass, center);
     for (size_t n = 0; n < beam->nodes; n++) {
-        const Quaternion own = quaternion_normalized(quaternion_multiply(q, quaternion_of(beam->turns + 4 * n)));
+        const Quaternion turn = quaternion_exponential(vector_of(beam->start_rotations + 3 * n));
+        const Quaternion bent = quaternion_multiply(turn, quaternion_of(beam->turns + 4 * n));
+        const Quaternion own = quaternion_normalized(quaternion_multiply(q, bent));
         Vector3 arm = vector_subtract(vector_of(x + place_of_position(beam) + 3 * n), center);
         double r[9];
         rotation_matrix(own, r);

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import prod
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 import scipy
@@ -16,6 +16,8 @@ from components.contract.component import Vector
 from .distributions import StudyError
 from .varied import Varied
 
+Method = Literal["latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time", "corners"]
+"""Designs of the samples."""
 _MOST = 1_000_000
 _LEVELS = 5
 
@@ -24,12 +26,12 @@ _LEVELS = 5
 class Plan:
     """How the values of D parameters are chosen; StudyError where that cannot be.
 
-    method: see `METHODS`. runs: samples of random designs, and base samples N of "sobol-indices", which takes
+    method: see `Method`. runs: samples of random designs, and base samples N of "sobol-indices", which takes
     N (D + 2); other methods have as many as they need. levels: of each parameter of a grid. seed: of what is random.
     """
 
     varied: tuple[Varied, ...]
-    method: str = "latin-hypercube"
+    method: Method = "latin-hypercube"
     runs: int = 100
     levels: int = _LEVELS
     seed: int = 0
@@ -140,7 +142,7 @@ def _corners(plan: Plan) -> Vector:
 
 
 _POWERS = ("sobol", "sobol-indices")
-METHODS: Final[Mapping[str, Callable[[Plan], Vector]]] = {
+METHODS: Final[Mapping[Method, Callable[[Plan], Vector]]] = {
     "random": _random,
     "latin-hypercube": _latin_hypercube,
     "sobol": _sobol,

@@ -1,7 +1,6 @@
 """Values of a scene's keys that bring headline numbers, or curves, where they are wanted: bounded least squares.
 
-Every run is a deployment. Derivatives of numbers come from one run with a neighbour for every key; those of curves, of
-one or two keys, and where that cannot be, are differences of runs, as many as there are keys, which workers share.
+Every run is a deployment. Derivatives are differences of runs, as many as there are keys, which workers share.
 """
 
 from __future__ import annotations
@@ -10,7 +9,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor, Executor
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field, replace
-from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +20,6 @@ from components.contract.component import Vector
 from ...records import short_repr
 from ...scene.units import UNITS
 from .distributions import StudyError
-from .gradients import gradients
 from .sample import Sample, Task, run_sample
 from .targets import Curve, Target, of_sensors, refuse_unknown
 from .varied import Settings, Varied, own_value, value_at
@@ -31,8 +28,6 @@ from .workers import local
 _STEP = 2e-3
 """Difference of a key over its range: far above what the errors of runs make of numbers, and nearly linear."""
 _ACCURACY = 1e-4
-_OF_A_NEIGHBOUR = 0.6
-"""What a neighbour costs, in runs (`python -m tests.benchmark.gradients`)."""
 _BEYOND_END = 1.0 + 1e-9
 _WELL = 0.3
 """Of a residual, what a step may leave of it for the derivatives that it was made with to be kept."""
@@ -114,11 +109,11 @@ class _Search:
     known: dict[tuple[float, ...], tuple[Sample, Vector]] = field(default_factory=dict)
     linear: _Linear | None = None
     known_slopes: dict[tuple[float, ...], Vector] = field(default_factory=dict)
-    cost_of_slopes: int = 0
-    """In runs, of one set of derivatives, as far as is known"""
 
-    def __post_init__(self) -> None:
-        self.cost_of_slopes = min([len(self.varied)] + [self._costs_of_neighbours] * (not self.curves))
+    @property
+    def cost_of_slopes(self) -> int:
+        """In runs, of one set of derivatives."""
+        return len(self.varied)
 
     def settings(self, point: Vector) -> Settings:
         """The settings that a point means."""
@@ -211,43 +206,12 @@ class _Search:
         """
         key = tuple(point.tolist())
         if key not in self.known_slopes:
-            before = self.runs
-            found = self._slopes(point)
-            self.cost_of_slopes = max(self.cost_of_slopes, self.runs - before)
+            found = self._differences(point)
             found[:, np.linalg.norm(found, axis=0) < self.accuracy] = 0.0
             self.known_slopes[key] = found
         return self.known_slopes[key]
 
-    def _slopes(self, point: Vector) -> Vector:
-        if not self.curves and self._costs_of_neighbours < len(self.varied):
-            with suppress(FanfoldError):
-                return self._by_neighbours(point)
-        return self._by_differences(point)
-
-    @property
-    def _costs_of_neighbours(self) -> int:
-        """In runs, with the neighbour that tells errors; differences cost as many as there are keys."""
-        return 1 + ceil(_OF_A_NEIGHBOUR * (len(self.varied) + 1))
-
-    def _by_neighbours(self, point: Vector) -> Vector:
-        """Of one run; FanfoldError where that cannot be, or does not tell those of all numbers."""
-        scene = self.task.scene.with_settings(self.settings(point))
-        found = gradients(scene, self.task.options, [one.name for one in self.varied])
-        self.runs += self._costs_of_neighbours
-        self.watch(self.runs, self.best[1])
-        names = [one.number for one in self.targets]
-        if missing := sorted({*names} - {*found.names}):
-            raise StudyError(f"{self.named(point)}: the run has no {', '.join(missing)}")
-        if {*names} & {*found.unreliable}:
-            raise StudyError(found.warning)
-        rows = found.derivatives[[found.names.index(name) for name in names]]
-        units = [found.numbers[found.names.index(name)].unit for name in names]
-        sizes = [abs(one.value(unit)) or 1.0 for one, unit in zip(self.targets, units, strict=True)]
-        by_share = [_by_share(one, share) for one, share in zip(self.varied, point.tolist(), strict=True)]
-        slopes: Vector = rows * np.array(by_share) / np.array(sizes)[:, None]
-        return slopes
-
-    def _by_differences(self, point: Vector) -> Vector:
+    def _differences(self, point: Vector) -> Vector:
         """Of runs whose values lie a little further into the ranges."""
         ends = [point + step * one for one, step in zip(np.eye(len(point)), _steps(point), strict=True)]
         found = self.at([point, *ends])
@@ -262,12 +226,6 @@ class _Search:
 
 def _steps(point: Vector) -> list[float]:
     return [_STEP if share + _STEP <= 1.0 else -_STEP for share in point.tolist()]
-
-
-def _by_share(one: Varied, share: float) -> float:
-    """What turns a derivative by a key, or by a factor of what it has at a share, into one by the share."""
-    wide = one.distribution.high - one.distribution.low
-    return wide / _value(one, share) if one.factor else wide
 
 
 def _value(one: Varied, share: float) -> float:

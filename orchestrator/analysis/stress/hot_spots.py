@@ -55,6 +55,14 @@ class Choice:
     insert_margin: float = 0.0
     """nodes closer to a rigid insert are left out; those on its edge stay at 0"""
 
+    def __post_init__(self) -> None:
+        if self.within is not None and (self.within[0] > self.within[1] or self.within[2] > self.within[3]):
+            raise ResultError(
+                f"the rectangle is {self.within}; give x0, x1, y0, y1 with x0 <= x1 and y0 <= y1"
+            )
+        if self.around is not None and self.around[2] < 0.0:
+            raise ResultError(f"the radius of the circle is {self.around[2]:g} m; it must not be negative")
+
     def __call__(self, plate: PlateNodes) -> Indices:
         """Numbers of the nodes."""
         found = np.arange(len(plate.positions)) if self.nodes is None else np.unique(self.nodes)

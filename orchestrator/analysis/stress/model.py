@@ -20,8 +20,8 @@ from ...results.result import Result, ResultError
 from ...scene.bodies import body_definition, body_model
 from ...scene.body_tables import Body
 from ...scene.layers import Tree
+from ...scene.placed_scene import CheckedScene
 from ...scene.reader import read_scene
-from ...scene.schema import CheckedScene
 from .body_acceleration import acceleration_field
 
 AT_INSERT = 1e-9

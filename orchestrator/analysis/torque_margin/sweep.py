@@ -20,6 +20,7 @@ from components.hinge import Hinge
 from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
 from ...assembly.locked_at_start import bolts_across, without_bolts
+from ...assembly.statics.start import static_start
 from ...cosim.master import Master
 from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, Participant, ParticipantError, Vector
@@ -28,9 +29,7 @@ from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
 from ...run.run import Loader, RunError, kept_fmus
 from ...scene import CheckedScene
-from ...scene.bodies import scene_points
 from ...scene.hinge_line_tables import HingeLine
-from ...scene.loops.initial_assembly import closed, left_open
 from ...scene.table import SceneError
 from ...scene.units import degrees_text
 from .rules import GroupTorques, LineTorques
@@ -129,8 +128,8 @@ def sweep(
 
 def _refuse_torn(scene: CheckedScene, share: float) -> None:
     """SceneError where a loop of lines does not close with those that open at a share of their travel."""
-    there, points = at_share(scene, share), scene_points(scene)
-    found = left_open(there, points) | closed(there, points).open_by
+    there = at_share(scene, share)
+    found = {**there.left_open, **there.closed.open_by}
     name, size = max(found.items(), key=lambda item: item[1], default=("", 0.0))
     if size > _TORN:
         sweeps = " ".join(
@@ -172,15 +171,18 @@ def _torques(scene: CheckedScene, friction: FrictionKind, load: Loader) -> dict[
 @contextmanager
 def _equilibrium(assembly: Assembly, load: Loader) -> Iterator[dict[str, Participant]]:
     """Every FMU by name, in static equilibrium with all hinges held; RunError where there is none."""
-    with load(assembly) as participants:
+    # wherever lines are on their way, nothing else keeps them there
+    lines = tuple(replace(line, bolted=False) for line in assembly.hinge_lines)
+    try:
+        start = static_start(replace(assembly, hinge_lines=lines, preload=True)).assembly
+    except SceneError as error:
+        raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None
+    with load(start) as participants:
         try:
-            network = Network(participants, assembly.links)
-            # wherever lines are on their way, nothing else keeps them there
-            lines = [replace(line, bolted=False) for line in assembly.hinge_lines]
-            master = Master(network, lines, NoRecorder(), Settings())
-            master.initialize(preload=True)
+            network = Network(participants, start.links)
+            Master(network, lines, NoRecorder(), Settings()).initialize(preload=True)
         except (ParticipantError, NetworkError, StepError) as error:
-            raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None
+            raise RunError(f"{assembly.name}: {error}") from None
         yield {participant.name: participant for participant in participants}
 
 

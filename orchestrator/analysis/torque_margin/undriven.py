@@ -15,7 +15,6 @@ from ...scene.hinge_line_tables import HingeLine
 from ...scene.loops.coupled_lines import (
     CoupledLines,
     acts_across,
-    coupled_lines,
     observed_names,
     supplies_energy,
 )
@@ -55,7 +54,7 @@ def with_motor(scene: CheckedScene) -> list[HingeLine]:
 def margin_groups(scene: CheckedScene) -> list[CoupledLines]:
     """Coupled lines that motors open together; what a drive turns opens as it is commanded."""
     motorised = {line.name for line in with_motor(scene)}
-    return [group for group in coupled_lines(scene) if group.rates.keys() & motorised and not group.drives]
+    return [group for group in scene.coupled_lines if group.rates.keys() & motorised and not group.drives]
 
 
 def uncounted(scene: CheckedScene) -> dict[str, str]:
@@ -83,7 +82,7 @@ def uncounted(scene: CheckedScene) -> dict[str, str]:
 
 def _apart(scene: CheckedScene) -> dict[str, str]:
     """Cable loops at lines with a motor that are in no margin, by name, and why."""
-    found, groups, motorised = {}, coupled_lines(scene), with_motor(scene)
+    found, groups, motorised = {}, scene.coupled_lines, with_motor(scene)
     for name, kind, bodies in _movers(scene):
         if kind != _CABLE or not any(acts_across(scene, line, bodies) for line in motorised):
             continue

@@ -72,7 +72,7 @@ def performance() -> str:
     lines = [
         "## On this machine",
         "",
-        "Measured during the build of this page: one process, without the companion run that estimates errors, with "
+        "Measured during the build of this page: one process, without the coarser run that shows errors, with "
         f"reading of the scene and building of the FMUs (Python {python_version()}, {machine()}).",
         "",
         "| AMOS-3, 12 s | tolerance | wall time, s | steps |",

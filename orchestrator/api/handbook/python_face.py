@@ -9,6 +9,8 @@ from typing import Any
 from components import FanfoldError
 from components.cache import disk
 
+from ..options import Folder
+
 _INDEX, _STAMP = "index.html", "fanfold.stamp"
 _PACKAGES = ("components", "fmus", "orchestrator")
 
@@ -26,17 +28,17 @@ def json_schema() -> dict[str, Any]:
     return scene_schema()
 
 
-def docs(folder: str | Path | None = None, *, gallery: bool = True, rebuild: bool = False) -> Path:
+def docs(folder: Folder | None = None, *, gallery: bool = True, rebuild: bool = False) -> Path:
     """Build the documents if they are not there or are of other sources.
 
     Parameters
     ----------
     folder
-        Where the pages are kept, by default next to the cache.
+        Folder of the pages; by default next to the cache.
     gallery
-        Whether to run the examples too, which takes a minute.
+        Run the examples too, which takes a minute.
     rebuild
-        Whether to build in any case, so that times and numbers are measured again.
+        Build again, and measure times and numbers on this machine again.
 
     Returns
     -------

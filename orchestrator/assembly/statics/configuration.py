@@ -10,10 +10,8 @@ from typing import Literal
 from components.contract.roles import HOLD, LATCH_COMMAND, RELEASE_COMMAND
 
 from ...scene import CheckedScene, SceneError
-from ...scene.bodies import scene_points, with_angles
 from ...scene.builder import Names, listed
 from ...scene.hinge_line_tables import HingeLine
-from ...scene.loops.initial_assembly import closed, left_open, start_poses
 from ..assemble import assemble
 from ..locked_at_start import bolted_lines
 from .equilibrium_search import settle
@@ -146,7 +144,7 @@ def placed(
     since. Latches engage where they are, a drive commands the angle at which it is, and hold-downs hold only where
     a run begins. Beams of large deformation are modal bodies here. spin: of the axes in which all is at rest.
     """
-    start = with_angles(scene, {k.name: target.angles[k.name] for k in scene.hinge_lines if k.held})
+    start = scene.with_angles({k.name: target.angles[k.name] for k in scene.hinge_lines if k.held})
     assembly = assemble(start, rigid, flexible, "mean", large_deformation=None)
     mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
     mechanism.spin = spin
@@ -170,11 +168,10 @@ def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[fl
     """
     _refuse_torn(scene, {name: end for name, (_, end) in ways.items()})
     steps = max([1, *(ceil(abs(end - begin) / _LARGEST_TURN) for begin, end in ways.values())])
-    points = scene_points(scene)
     for k in range(1, steps + 1):
         share = k / steps
         between = {name: begin + share * (end - begin) for name, (begin, end) in ways.items()}
-        poses = start_poses(with_angles(scene, between), points)
+        poses = scene.with_angles(between).poses
         for name, body in mechanism.bodies.items():
             if body.body is not None:
                 body.place(*poses[name])
@@ -183,11 +180,9 @@ def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[fl
 
 def _refuse_torn(scene: CheckedScene, angles: Mapping[str, float]) -> None:
     """SceneError where these angles (rad) of all lines do not go together."""
-    points = scene_points(scene)
-    there = with_angles(scene, angles)
-    before = left_open(scene, points)
-    after = closed(there, points).open_by | left_open(there, points)
-    torn = {name: size for name, size in after.items() if size > before.get(name, 0.0) + _TORN}
+    there = scene.with_angles(angles)
+    after = {**there.closed.open_by, **there.left_open}
+    torn = {name: size for name, size in after.items() if size > scene.left_open.get(name, 0.0) + _TORN}
     if torn:
         name, size = max(torn.items(), key=lambda item: item[1])
         at = ", ".join(f"{line} at {degrees(angle):.4g} deg" for line, angle in angles.items())

@@ -1,7 +1,7 @@
 """A connection at rest: its end-point wrenches, and their derivatives by the motion of its ports.
 
-Frictionless: Coulomb friction has no derivative at rest. A kinematic latch is the lock that it becomes, a spring
-of `lock_stiffness` at every hinge.
+Frictionless, unless friction sticks: smooth friction has no derivative at rest. A kinematic latch is the lock that it
+becomes, a spring of `lock_stiffness` at every hinge.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from components.contract.component import Vector
 from components.contract.frames import exponential, skew
 from components.contract.instance import Value
 from components.contract.ports import MOTION_SIZE, WRENCH_SIZE
+from components.contract.roles import ORDER
 
 from ...scene.table import SceneError
 from .. import Part
@@ -29,10 +30,15 @@ _KINKED = 0.5
 _RIGID_MOTION = (0.31, -0.42, 0.27, 0.3, 0.5, -0.2)
 """m and rad; any motion on which the wrenches of a connection between bodies do not depend."""
 _SAME = 1e-6
+LEADING, LEADING_STEP = 4, 1.0
+"""Steps, and their size (s), that lead connections to where bodies start at rest; they remember three at most."""
 
 
-def at_rest(part: Part) -> Part:
-    """The part with end-point wrenches, without friction or hysteresis, and with a kinematic latch as its lock."""
+def at_rest(part: Part, *, sticks: bool = False) -> Part:
+    """The part with end-point wrenches, without friction or hysteresis, and with a kinematic latch as its lock.
+
+    sticks: friction that does stays, and holds what it can.
+    """
     structure, start = dict(part.structure), dict(part.start)
     if REGISTRY[part.kind].has_wrench_mode():
         structure["wrench_mode"] = "endpoint"
@@ -43,8 +49,9 @@ def at_rest(part: Part) -> Part:
         start |= {"latch_stiffness": start.get("lock_stiffness", lock), "latch_damping": 0.0}
     if "latch_automatic" in layout:
         start["latch_automatic"] = 0.0
-    structure = {k: v for k, v in structure.items() if not k.startswith("hysteresis")}
-    start |= {q.name: 0.0 for q in layout.quantities if q.name.startswith("friction")}
+    if not sticks:
+        structure = {k: v for k, v in structure.items() if not k.startswith("hysteresis")}
+        start |= {q.name: 0.0 for q in layout.quantities if q.name.startswith("friction")}
     return replace(part, structure=structure, start=start)
 
 
@@ -54,8 +61,10 @@ class Connection:
     `ports` are the names of its ports in order; motions are (ports, 13), wrenches (ports, 6), in world axes.
     """
 
+    _sticks = False
+
     def __init__(self, part: Part, motions: Mapping[str, Vector]) -> None:
-        resting = at_rest(part)
+        resting = at_rest(part, sticks=self._sticks)
         self.name = part.name
         self.component = resting.component()
         self.ports = tuple(port.name for port in self.component.ports)
@@ -130,6 +139,10 @@ class Connection:
         """Wrenches (ports, 6) in the present pose."""
         result: Vector = self._instance.outputs()[: WRENCH_SIZE * len(self.ports)].reshape(-1, WRENCH_SIZE)
         return result
+
+    def resting_wrenches(self) -> Vector:
+        """The same of what comes to rest there."""
+        return self.wrenches()
 
     def _wrenches_at(self, motions: Vector) -> Vector:
         held = self.motions
@@ -215,6 +228,41 @@ class Connection:
             np.abs(after - before.reshape(-1, 3)).max(initial=0.0) < allowed
             and np.abs(self._wrenches_at(carried) - before).max(initial=0.0) < allowed
         )
+
+
+class LedConnection(Connection):
+    """One that rests as in a run that starts there: led by a few steps from where it was built, with all its friction.
+
+    Its derivatives are those of friction that sticks.
+    """
+
+    _sticks = True
+
+    def __init__(self, part: Part, motions: Mapping[str, Vector]) -> None:
+        super().__init__(part, motions)
+        component = part.component()
+        start = {k: v for k, v in part.start.items() if k in component.parameter_layout}
+        self._led = Instance(
+            component, start | ({ORDER.name: 4.0} if ORDER.name in component.parameter_layout else {})
+        )
+        self._led.inputs[: MOTION_SIZE * len(self.ports)] = self.motions.ravel()
+        self._led.initialize()
+
+    def command(self, name: str, value: float) -> None:
+        """Give a command where the component has it."""
+        super().command(name, value)
+        if name in self.component.input_layout:
+            self._led.set(name, value)
+
+    def resting_wrenches(self) -> Vector:
+        """Wrenches (ports, 6) of what comes to rest in the present pose."""
+        led, built = self._led, self._led.state
+        led.inputs[: MOTION_SIZE * len(self.ports)] = self.motions.ravel()
+        for _ in range(LEADING):
+            led.step(LEADING_STEP)
+        result: Vector = led.outputs()[: WRENCH_SIZE * len(self.ports)].reshape(-1, WRENCH_SIZE).copy()
+        led.state = built
+        return result
 
 
 def displaced(motion: Vector, step: Vector) -> Vector:

@@ -1,4 +1,8 @@
-"""Static equilibrium of a mechanism near its pose, by Newton's method on the exact tangent; the base does not move."""
+"""Static equilibrium of a mechanism near its pose, by Newton's method on the exact tangent.
+
+Where a step of Newton leads astray, as at a contact or a slack rope, or where nothing is stiff yet, inertia damps it:
+(K + M / h^2) x = f is an implicit step, of the size h (s), of the motion from rest, and h grows as steps succeed.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg
 
+from components import ComponentError
 from components.contract.component import Vector
 
 from ...scene.table import SceneError
-from .linear_model import LinearModel, linearise, normal_modes
+from . import ZERO_FREQUENCY
+from .linear_model import LinearModel, Rows, normal_modes
 from .mechanism import Mechanism
 
-_MOST_ITERATIONS = 40
-_LARGEST_TURN = 0.15
-"""rad, in one iteration"""
+_MOST_ITERATIONS, _MOST_AT_START = 40, 200
+_LARGEST_TURN, _LARGEST_WAY = 0.15, 1.0
+"""rad and m, in one iteration"""
 _FARTHEST = 0.6
 """rad, from where the search began; an equilibrium beyond belongs to another configuration"""
 _DRIVEN = 1e-9
@@ -25,117 +31,256 @@ _TOLERANCE = 1e-9
 """m and rad that the last iteration may move a port"""
 _ALIKE, _FALLING = 1e-6, 1e-4
 """m and rad of an iteration that leaves the stiffness as it is, if the work fell to so much of the one before"""
+_MORE, _NEAR = 2.0, 1e-7
+"""Times as far as a damped step, that another may lead on from its end; of steps that move ports (m, rad) further."""
+_DAMPED, _SHORTER, _LONGER, _LONGEST = 1.0, 0.25, 4.0, 1e3
+"""Step (s) that a first failure leads to, factors after a failure and after a success, and the longest damped one."""
+_TURNS = 7e-5
+"""rad/s2 of a free spacecraft, from which on it does not rest."""
 
 
-def settle(mechanism: Mechanism, advice: str, *, idle: bool = False) -> None:
-    """Move to equilibrium; SceneError where there is none near, with the advice of what to do then.
+class NoEquilibriumError(SceneError):
+    """There is none; `acceleration` (n,) of all coordinates where the search ended. turns_as_one: of a free whole."""
 
-    idle: what moves without force may stay where it is, if nothing drives it.
+    def __init__(self, acceleration: Vector, *, turns_as_one: bool) -> None:
+        super().__init__(["there is no static equilibrium"])
+        self.acceleration, self.turns_as_one = acceleration, turns_as_one
+
+
+class _Tangent(NamedTuple):
+    """Linear equations about a pose, and what moves there without force.
+
+    rows: of coordinates that move. rigid: basis (n, 6) of what the whole does as one where nothing holds it, or None.
+    free: shapes (n, k).
     """
-    start = _with_loaded_joints(mechanism)
-    model, moved, free = start.model, start.moved, start.free
-    if free.size and not (idle and _is_idle(model, free)):
-        count = free.shape[1]
+
+    model: LinearModel
+    rows: Rows
+    rigid: Vector | None
+    free: Vector
+
+    @property
+    def forces(self) -> Vector:
+        """(n,) out of balance; of a free whole in axes that fall with it."""
+        force = self.model.residual
+        if self.rigid is None:
+            return force
+        found: Vector = force - self.model.mass @ (self.rigid @ (self.rigid.T @ force))
+        return found
+
+    @property
+    def drive(self) -> Vector:
+        """Acceleration (n,) that forces give to free motions."""
+        found: Vector = self.free @ (self.free.T @ self.forces)
+        return found
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether they give any."""
+        force = self.forces
+        largest = float(np.abs(self.free.T @ force).max(initial=0.0))
+        return largest > _DRIVEN * float(np.abs(force).max(initial=1.0))
+
+    @property
+    def idle(self) -> Vector:
+        """Shapes (n, k) of free motions that nothing drives: all across the one that forces would start."""
+        if not self.is_driven:
+            return self.free
+        found: Vector = self.free @ linalg.null_space((self.free.T @ self.forces)[None])
+        return found
+
+    def step(self, size: float, without: Vector) -> Vector:
+        """An implicit step (n,) of a size (s) without motions of shapes (n, k); LinAlgError where there is none."""
+        model, rows = self.model, self.rows
+        matrix = model.stiffness if size == np.inf else model.stiffness + model.mass / size**2
+        found = np.zeros(len(model.mass))
+        if without.size:
+            kept = np.zeros((len(found), len(rows) - without.shape[1]))
+            kept[rows] = linalg.null_space((model.mass @ without)[rows].T)
+            found = kept @ np.linalg.lstsq(kept.T @ matrix @ kept, kept.T @ self.forces)[0]
+        else:
+            found[rows] = np.linalg.solve(matrix[np.ix_(rows, rows)], self.forces[rows])
+        if self.rigid is not None:
+            found -= self.rigid @ (self.rigid.T @ (model.mass @ found))
+        return found
+
+    def with_forces(self, mechanism: Mechanism) -> _Tangent:
+        """The same with the forces of the mechanism's present pose."""
+        return self._replace(model=replace(self.model, residual=mechanism.forces()))
+
+
+class _Step(NamedTuple):
+    """A step (n,) from a pose: how far (m or rad) it moves a port, and what it may be made of; its work (J)."""
+
+    motion: Vector
+    way: float
+    share: float
+    work: float
+
+    @property
+    def made(self) -> Vector:
+        """As far as one iteration may go."""
+        found: Vector = self.share * self.motion
+        return found
+
+
+def settle(mechanism: Mechanism, advice: str) -> None:
+    """Move to equilibrium, the base standing still; SceneError where there is none near, with the advice."""
+    tangent = _with_loaded_joints(mechanism, at_start=False)
+    if count := tangent.free.shape[1]:
         raise SceneError(
             [
                 f"the configuration has {count} motion{'s' * (count > 1)} without stiffness, so its equilibrium is not "
                 f"unique; {advice}"
             ]
         )
-    kept, before, alike = _without(model, free), np.inf, False
-    for iteration in range(_MOST_ITERATIONS):
-        if iteration:
-            stiffness = model.stiffness if alike else mechanism.stiffness()
-            model = replace(model, stiffness=stiffness, residual=mechanism.forces())
-        try:
-            step = _step(model, kept)
-        except np.linalg.LinAlgError:
-            break
-        work, motion = abs(float(step @ model.residual)), _port_motions(mechanism, step)
-        if not np.isfinite(motion).all():
-            break
-        way = float(np.abs(motion).max(initial=0.0))
-        turn = float(np.abs(motion[:, 3:]).max(initial=0.0))
-        step *= min(1.0, _LARGEST_TURN / max(turn, 1e-300))
-        mechanism.move(step)
-        moved += step
-        # beside a stiff clamp ports hardly move; what is out of balance falls with the work until it is round-off
-        if way < _TOLERANCE and work >= 0.5 * before:
-            mechanism.follow()
-            return
-        alike = way < _ALIKE and work < _FALLING * before < np.inf
-        before = work
-        if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) > _FARTHEST:
-            break
-    raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
+    if not _iterated(mechanism, tangent, at_start=False):
+        raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
+
+
+def come_to_rest(mechanism: Mechanism) -> None:
+    """Move to where a run can start at rest; NoEquilibriumError where that is nowhere.
+
+    What moves without force may stay where it is, as nothing drives it, and a free whole may fall.
+    """
+    tangent = _tangent(mechanism, at_start=True)
+    if tangent.rigid is not None:
+        acceleration = tangent.rigid @ (tangent.rigid.T @ tangent.model.residual)
+        if np.abs(acceleration[tangent.model.base_rows][3:]).max() > _TURNS:
+            raise NoEquilibriumError(acceleration, turns_as_one=True)
+    if not _iterated(mechanism, tangent, at_start=True):
+        tangent = _tangent(mechanism, at_start=True)
+        raise NoEquilibriumError(_acceleration(tangent), turns_as_one=False)
 
 
 def driven_motion(mechanism: Mechanism) -> Vector | None:
     """What loads drive away (n,) once joints carry what they can: of motions without stiffness; None where none are."""
-    start = _with_loaded_joints(mechanism)
-    if not start.free.size or _is_idle(start.model, start.free):
+    tangent = _with_loaded_joints(mechanism, at_start=True)
+    return tangent.drive if tangent.is_driven else None
+
+
+def _iterated(mechanism: Mechanism, tangent: _Tangent, *, at_start: bool) -> bool:
+    """Newton's iteration from a pose and its tangent; whether it ends in equilibrium.
+
+    A start is where potential falls to, be it far. Near the end the stiffness is left as it is.
+    """
+    size = _DAMPED if tangent.is_driven else np.inf
+    moved, before, alike = np.zeros(mechanism.size), np.inf, False
+    for _ in range(_MOST_AT_START if at_start else _MOST_ITERATIONS):
+        step = _step(mechanism, tangent, size)
+        if step is None or (at_start and step.work < 0.0):
+            size = _shorter(size)
+            continue
+        pose = mechanism.pose()
+        after = _after(mechanism, step, tangent if alike else None, at_start=at_start)
+        if after is None or not _leads_on(mechanism, step, after, size):
+            mechanism.come_back(pose)
+            size, alike = _shorter(size), False
+            continue
+        moved += step.made
+        # beside a stiff clamp ports hardly move; what is out of balance falls with the work until it is round-off
+        if step.way < _TOLERANCE and abs(step.work) >= 0.5 * before and size == np.inf:
+            mechanism.follow()
+            return True
+        turned = float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0))
+        if (not at_start and turned > _FARTHEST) or (size >= _LONGEST and after.is_driven):
+            return False
+        alike = step.way < _ALIKE and abs(step.work) < _FALLING * before < np.inf
+        before, tangent = abs(step.work), after
+        size = size * _LONGER if size < _LONGEST else np.inf
+    return False
+
+
+def _shorter(size: float) -> float:
+    return _SHORTER * min(size, _DAMPED / _SHORTER)
+
+
+def _step(mechanism: Mechanism, tangent: _Tangent, size: float) -> _Step | None:
+    """A step of a size (s) from a tangent; None where its equations have no solution."""
+    try:
+        motion = tangent.step(size, tangent.idle)
+    except np.linalg.LinAlgError:
         return None
-    found: Vector = start.free @ (start.free.T @ start.model.residual)
+    ports = _port_motions(mechanism, motion)
+    if not np.isfinite(ports).all():
+        return None
+    way, turn = (float(np.abs(part).max(initial=1e-300)) for part in (ports, ports[:, 3:]))
+    share = min(1.0, _LARGEST_TURN / turn, _LARGEST_WAY / way)
+    return _Step(motion, way, share, share * float(motion @ tangent.forces))
+
+
+def _after(mechanism: Mechanism, step: _Step, kept: _Tangent | None, *, at_start: bool) -> _Tangent | None:
+    """The tangent at the end of a step, or the one kept with the forces there; None where a component refuses."""
+    try:
+        mechanism.move(step.made)
+        after = _tangent(mechanism, at_start=at_start) if kept is None else kept.with_forces(mechanism)
+    except (ComponentError, SceneError, ArithmeticError, ValueError):
+        return None
+    return after if np.isfinite(after.model.residual).all() else None
+
+
+def _leads_on(mechanism: Mechanism, step: _Step, after: _Tangent, size: float) -> bool:
+    """Whether a step may be kept, as the one that would follow does not lead further.
+
+    Forces say nothing: a joint of 1e9 N/m turns the square of a small rotation into more than all loads.
+    """
+    if step.way <= _NEAR:
+        return True
+    left = _step(mechanism, after, size)
+    return left is None or left.way <= (1.0 if size == np.inf else _MORE) * step.way
+
+
+def _tangent(mechanism: Mechanism, *, at_start: bool) -> _Tangent:
+    """About the present pose. at_start: a free base moves, unless nothing holds the whole, which moves about it."""
+    mechanism.carry()
+    none = np.zeros((mechanism.size, mechanism.size))
+    mass, stiffness, forces = mechanism.mass(), mechanism.stiffness(), mechanism.forces()
+    model = LinearModel(mechanism, mass, none, none, stiffness, forces)
+    rows, rigid = model.other_rows, None
+    if at_start and not model.is_grounded:
+        whole = mechanism.rigid_motion(model.origin)
+        held = np.abs(whole[:, :3].T @ stiffness @ whole[:, :3]).max()
+        if held > (2.0 * np.pi * ZERO_FREQUENCY) ** 2 * np.trace(mass):
+            rows = model.free_rows
+        else:
+            factor = np.linalg.cholesky(whole.T @ mass @ whole)
+            rigid = linalg.solve_triangular(factor, whole.T, lower=True).T
+    return _Tangent(model, rows, rigid, _free_motions(model, rows))
+
+
+def _free_motions(model: LinearModel, rows: Rows) -> Vector:
+    """Shapes (n, k) of what moves without force in these coordinates."""
+    count = len(model.mass)
+    if not rows.size:
+        return np.zeros((count, 0))
+    still = np.setdiff1d(np.arange(count), rows)
+    modes = normal_modes(model, np.eye(count)[still] if still.size else None)
+    found: Vector = modes.shapes[:, modes.is_free]
     return found
 
 
-class _Start(NamedTuple):
-    """A tangent, the motion (n,) up to it, and shapes (n, k) of what moves there without force."""
-
-    model: LinearModel
-    moved: Vector
-    free: Vector
-
-
-def _with_loaded_joints(mechanism: Mechanism) -> _Start:
+def _with_loaded_joints(mechanism: Mechanism, *, at_start: bool) -> _Tangent:
     """Where joints carry what loads ask of them.
 
     A pendulum in a joint that carries nothing yet has no stiffness, nor has a rope without tension: a step that leaves
     out the free motions loads them.
     """
-    model, moved = linearise(mechanism), np.zeros(mechanism.size)
-    free = _free_motions(model)
-    if not free.size:
-        return _Start(model, moved, free)
-    moved = _step(model, _without(model, free))
-    if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) > _LARGEST_TURN:
-        return _Start(model, np.zeros(mechanism.size), free)
-    mechanism.move(moved)
-    model = linearise(mechanism)
-    return _Start(model, moved, _free_motions(model))
+    tangent = _tangent(mechanism, at_start=at_start)
+    if not tangent.free.size:
+        return tangent
+    step = tangent.step(np.inf, tangent.free)
+    if float(np.abs(_port_motions(mechanism, step)[:, 3:]).max(initial=0.0)) > _LARGEST_TURN:
+        return tangent
+    mechanism.move(step)
+    return _tangent(mechanism, at_start=at_start)
 
 
-def _without(model: LinearModel, free: Vector) -> Vector | None:
-    """Basis (n, m) of the motions that have no part in free ones; None where there are none."""
-    if not free.size:
-        return None
-    rows = model.other_rows
-    basis = np.zeros((len(model.mass), len(rows) - free.shape[1]))
-    basis[rows] = linalg.null_space((model.mass @ free)[rows].T)
-    return basis
-
-
-def _step(model: LinearModel, kept: Vector | None) -> Vector:
-    """Newton's step (n,) to balance, among these motions or all; LinAlgError where none of all does."""
-    if kept is not None:
-        found: Vector = kept @ np.linalg.lstsq(kept.T @ model.stiffness @ kept, kept.T @ model.residual)[0]
-        return found
-    rows, step = model.other_rows, np.zeros(len(model.mass))
-    step[rows] = np.linalg.solve(model.stiffness[np.ix_(rows, rows)], model.residual[rows])
-    return step
-
-
-def _is_idle(model: LinearModel, free: Vector) -> bool:
-    """Whether nothing drives free motions."""
-    return float(np.abs(free.T @ model.residual).max()) <= _DRIVEN * float(
-        np.abs(model.residual).max(initial=1.0)
-    )
-
-
-def _free_motions(model: LinearModel) -> Vector:
-    """Shapes (n, k) of what moves without force while the base does not."""
-    modes = normal_modes(model, model.base_constraints)
-    found: Vector = modes.shapes[:, modes.is_free]
+def _acceleration(tangent: _Tangent) -> Vector:
+    """(n,) of what moves without stiffness, or of all coordinates where nothing does."""
+    if tangent.is_driven:
+        return tangent.drive
+    rows, found = tangent.rows, np.zeros(len(tangent.model.mass))
+    found[rows] = np.linalg.solve(tangent.model.mass[np.ix_(rows, rows)], tangent.forces[rows])
     return found
 
 

@@ -42,7 +42,7 @@ class LinearModel:
     def is_grounded(self) -> bool:
         """Whether the base is ground, which has no mass and does not move."""
         base = self.mechanism.bodies.get(self.mechanism.base)
-        return base is not None and base.body is None
+        return base is not None and base.is_led
 
     @property
     def base_rows(self) -> Rows:
@@ -64,7 +64,7 @@ class LinearModel:
     @property
     def _led_rows(self) -> list[int]:
         """Numbers of the coordinates of bodies that follow a prescribed motion, beside the base."""
-        led = [name for name, body in self.mechanism.bodies.items() if body.body is None]
+        led = [name for name, body in self.mechanism.bodies.items() if body.is_led]
         rows = [self.mechanism.rows[name] for name in led if name != self.mechanism.base]
         return [number for one in rows for number in range(one.start, one.stop)]
 
@@ -94,9 +94,7 @@ class LinearModel:
         """Largest force (N) and torque (N.m) on a body that nothing balances in this configuration."""
         bodies, base = self.mechanism.bodies, self.mechanism.base
         moving = [
-            rows
-            for name, rows in self.mechanism.rows.items()
-            if name != base and bodies[name].body is not None
+            rows for name, rows in self.mechanism.rows.items() if name != base and not bodies[name].is_led
         ]
         load = np.array([self.residual[rows.start : rows.start + 6] for rows in moving]).reshape(-1, 2, 3)
         force, torque = np.linalg.norm(load, axis=2).max(axis=0, initial=0.0).tolist()
@@ -251,7 +249,7 @@ def kinetic_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
     """Share (k,) of every moving body in the kinetic energy of the modes."""
     result = {}
     for name, rows in model.mechanism.rows.items():
-        if model.mechanism.bodies[name].body is None:
+        if model.mechanism.bodies[name].is_led:
             continue
         part = modes.shapes[rows]
         result[name] = _quadratic(model.mass[rows, rows], part)

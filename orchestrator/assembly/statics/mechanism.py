@@ -7,34 +7,44 @@ from typing import NamedTuple
 
 import numpy as np
 
+from components.beam import Beam
 from components.contract.component import Vector
-from components.contract.frames import Quaternion, skew
+from components.contract.frames import skew
+from components.driven_base import DrivenBase
 from components.fixed_base import FixedBase
 from components.moving_base import MovingBase
 
 from .. import Link, Part
-from .connection_at_rest import Connection
-from .placed_body import PlacedBody
+from .connection_at_rest import Connection, LedConnection
+from .placed_beam import PlacedBeam
+from .placed_body import Memory, PlacedBody
 from .steady_spin import Spin
 
-_OF_BODIES = ("body", FixedBase.kind, MovingBase.kind)
+_OF_BODIES = ("body", FixedBase.kind, MovingBase.kind, DrivenBase.kind)
 
 
 class Pose(NamedTuple):
-    """Where a mechanism is: position (3,), quaternion and modal coordinates of bodies, memories of connections."""
+    """Where a mechanism is: what bodies and connections remember."""
 
-    bodies: Mapping[str, tuple[Vector, Quaternion, Vector]]
+    bodies: Mapping[str, Memory]
     connections: Mapping[str, tuple[Vector, Vector]]
 
 
 class Mechanism:
-    """An assembly at rest in a configuration that can be moved, with its connections' states following it."""
+    """An assembly at rest in a configuration that can be moved, with its connections' states following it.
 
-    def __init__(self, parts: Sequence[Part], links: Iterable[Link], base: str = "") -> None:
+    is_led: whether connections rest as in a run that starts there, see `LedConnection`.
+    """
+
+    def __init__(
+        self, parts: Sequence[Part], links: Iterable[Link], base: str = "", *, is_led: bool = False
+    ) -> None:
         partner = {link.connection: link.body for link in links}
         holders = {name for name, _ in partner.values()}
         of_bodies = [part for part in parts if part.kind in _OF_BODIES or part.name in holders]
-        self.bodies = {part.name: PlacedBody(part) for part in of_bodies}
+        self.bodies: dict[str, PlacedBody] = {
+            part.name: PlacedBeam(part) if part.kind == Beam.kind else PlacedBody(part) for part in of_bodies
+        }
         self.base = base
         """name of the body or ground that does not move, where there is one"""
         self.spin: Spin | None = None
@@ -42,6 +52,7 @@ class Mechanism:
         self.connections: dict[str, Connection] = {}
         self._seats: dict[str, list[tuple[str, int]]] = {}
         motions = {name: body.motions() for name, body in self.bodies.items()}
+        kind = LedConnection if is_led else Connection
         for part in parts:
             if part.name in self.bodies:
                 continue
@@ -49,7 +60,7 @@ class Mechanism:
             seats = {port: partner[(part.name, port)] for port in names}
             numbers = {port: self.bodies[body].ports.index(name) for port, (body, name) in seats.items()}
             at = {port: motions[seats[port][0]][number] for port, number in numbers.items()}
-            self.connections[part.name] = Connection(part, at)
+            self.connections[part.name] = kind(part, at)
             self._seats[part.name] = [(seats[port][0], numbers[port]) for port in names]
         ends = np.cumsum([0, *(body.size for body in self.bodies.values())]).tolist()
         self.rows = {name: slice(a, b) for name, a, b in zip(self.bodies, ends[:-1], ends[1:], strict=True)}
@@ -69,14 +80,13 @@ class Mechanism:
 
     def pose(self) -> Pose:
         """Where everything is, to come back to."""
-        bodies = {name: (b.position, b.orientation, b.eta) for name, b in self.bodies.items()}
+        bodies = {name: body.memory() for name, body in self.bodies.items()}
         return Pose(bodies, {name: connection.memory() for name, connection in self.connections.items()})
 
     def come_back(self, pose: Pose) -> None:
         """Come back to a pose."""
-        for name, (position, orientation, eta) in pose.bodies.items():
-            body = self.bodies[name]
-            body.position, body.orientation, body.eta = position, orientation, eta
+        for name, place in pose.bodies.items():
+            self.bodies[name].remember(place)
         self.carry()
         for name, memory in pose.connections.items():
             self.connections[name].remember(*memory)
@@ -109,15 +119,16 @@ class Mechanism:
         """Coordinates (size, 6) of unit translations of everything and rotations about the origin (3,)."""
         result = np.zeros((self.size, 6))
         for name, body in self.bodies.items():
-            rows = slice(self.rows[name].start, self.rows[name].start + 6)
-            result[rows] = np.eye(6)
-            result[rows.start : rows.start + 3, 3:] = -skew(body.position - origin)
+            for k, position in enumerate(body.points):
+                first = self.rows[name].start + 6 * k
+                result[first : first + 6] = np.eye(6)
+                result[first : first + 3, 3:] = -skew(position - origin)
         return result
 
     def _wrenches_on_bodies(self) -> Mapping[str, Vector]:
         found = {name: np.zeros((len(body.ports), 6)) for name, body in self.bodies.items()}
         for name, connection in self.connections.items():
-            for (body, port), wrench in zip(self._seats[name], connection.wrenches(), strict=True):
+            for (body, port), wrench in zip(self._seats[name], connection.resting_wrenches(), strict=True):
                 found[body][port] += wrench
         return found
 
@@ -135,8 +146,7 @@ class Mechanism:
         result = np.zeros((self.size, self.size))
         for name, body in self.bodies.items():
             rows = self.rows[name]
-            result[rows, rows] = body.modal_matrices()[1]
-            result[rows, rows] += body.geometric_stiffness(wrenches[name]) + body.tension_stiffness()
+            result[rows, rows] = body.stiffness(wrenches[name])
             if self.spin is not None:
                 result[rows, rows] += self.spin.stiffness(body)
         for name, connection in self.connections.items():

@@ -6,6 +6,8 @@ about it, then its modal coordinates. A base that is fixed or moves by a law has
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from components import ComponentError, Instance, Layout, rotation_matrix
@@ -13,15 +15,23 @@ from components.body import Body
 from components.contract.component import Vector
 from components.contract.frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
 from components.contract.ports import MOTION_SIZE, WRENCH_SIZE
+from components.driven_base import DrivenBase
 from components.fixed_base import FixedBase
 from components.moving_base import MovingBase
 
 from ...scene.table import SceneError
 from .. import Part
 
+Memory = tuple[Any, ...]
+
 
 class PlacedBody:
-    """A body or base at rest: origin `position` (3,) of its coordinates, quaternion, modal coordinates."""
+    """A body or base at rest: origin `position` (3,) of its coordinates, quaternion, modal coordinates.
+
+    is_led: it stands, or moves by a law.
+    """
+
+    is_led: bool
 
     def __init__(self, part: Part) -> None:
         self.name = part.name
@@ -34,7 +44,13 @@ class PlacedBody:
             raise SceneError([f"{self.name}: {error}"]) from None
         self.component = component
         self.ports = tuple(port.name for port in component.ports)
+        self.eta = np.zeros(0)
+        self._place(part)
+
+    def _place(self, part: Part) -> None:
+        component = self.component
         state, at = self._instance.state, component.state_layout
+        self.is_led = not isinstance(component, Body)
         self.orientation: Quaternion = (1.0, 0.0, 0.0, 0.0)
         if isinstance(component, Body):
             self.body: Body | None = component
@@ -44,7 +60,7 @@ class PlacedBody:
             self._arms = component.arms
             self._shapes = np.concatenate((component.translation, component.rotation), axis=1)
             self._second_order = component.second_order
-        elif isinstance(component, FixedBase | MovingBase):
+        elif isinstance(component, FixedBase | MovingBase | DrivenBase):
             self.body, self.modes = None, 0
             self.position = component.reference()
             motions = self.motions()
@@ -54,6 +70,20 @@ class PlacedBody:
         else:
             raise SceneError([f"{self.name}: a {part.kind} has no linear model; bodies and fixed bases have"])
         self.eta = np.zeros(self.modes)
+
+    @property
+    def points(self) -> Vector:
+        """(1, 3), about which the rigid coordinates are."""
+        found: Vector = self.position[None]
+        return found
+
+    def memory(self) -> Memory:
+        """Where it is."""
+        return self.position, self.orientation, self.eta
+
+    def remember(self, memory: Memory) -> None:
+        """Come back to there."""
+        self.position, self.orientation, self.eta = memory
 
     @property
     def size(self) -> int:
@@ -146,8 +176,14 @@ class PlacedBody:
         result[3:, 6:] = axes @ rate @ turn
         return result
 
-    def geometric_stiffness(self, wrenches: Vector) -> Vector:
-        """Minus the derivative (size, size) of the generalised forces of wrenches (ports, 6) held in world axes."""
+    def stiffness(self, wrenches: Vector) -> Vector:
+        """Minus the derivative (size, size) of the generalised forces under wrenches (ports, 6) held in world axes."""
+        added = self._geometric_stiffness(wrenches) + self._tension_stiffness()
+        result: Vector = self.modal_matrices()[1] + added
+        return result
+
+    def _geometric_stiffness(self, wrenches: Vector) -> Vector:
+        """What wrenches (ports, 6) add to the stiffness (size, size) where they turn and bend what they act on."""
         axes = self.axes
         result = np.zeros((self.size, self.size))
         for k, wrench in enumerate(wrenches):
@@ -167,7 +203,7 @@ class PlacedBody:
             result[pairs, pairs] -= np.tensordot(conjugate, self._second_order[k], 1)
         return result
 
-    def tension_stiffness(self) -> Vector:
+    def _tension_stiffness(self) -> Vector:
         """What bending that stretches adds to the stiffness (size, size) of the modes, where they are."""
         result = np.zeros((self.size, self.size))
         if self.body is not None and (forms := self.body.tension) is not None:

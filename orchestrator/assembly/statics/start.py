@@ -1,13 +1,13 @@
-"""Where an assembly with preload starts, found by Newton's method on exact tangents, where other searches creep."""
+"""Where an assembly with preload starts: in static equilibrium, with its hinge lines held."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from components.beam import Beam
 from components.contract.component import Vector
 from components.contract.frames import rotate, with_positive_scalar
 from components.contract.roles import HOLD
@@ -15,57 +15,68 @@ from components.hinge import Hinge
 
 from ...scene.table import SceneError
 from .. import Assembly, Part, bolted_hinges
-from ..beams import as_rigid
 from ..start_values import led_to
-from .equilibrium_search import driven_motion, settle
+from .equilibrium_search import NoEquilibriumError, come_to_rest, driven_motion
 from .mechanism import Mechanism
+from .placed_beam import PlacedBeam
 from .placed_body import PlacedBody
 
 _HOLD = "hold_stiffness"
 """Parameter of hinges, 0 of those that a scene gives springs of their own."""
 _PART = 1e-3
 """Of the largest turn of a joint in what loads drive, from which on a joint takes part in it."""
-_FALLS = 1e-6
-"""N and N.m on a free base, from which on it does not stay where it is."""
 
 
-def in_equilibrium(assembly: Assembly) -> Assembly:
-    """The assembly with bodies in static equilibrium, all that can be held; unchanged where none is found near.
+class Start(NamedTuple):
+    """An assembly whose bodies start in equilibrium, and the joints beside hinge lines that are held for it.
 
-    Beams of large deformation have no linear model, and scenes with them stay as they are. So do those whose free base
-    falls with all it carries, as here bases stand still.
+    Springs of its connections count from where these were built: `CoSimulation.initialize` leads them from there.
     """
-    try:
-        mechanism = _held(assembly)
-        settle(mechanism, "", idle=True)
-    except SceneError:
-        return assembly
-    base = mechanism.bodies[mechanism.base]
-    if base.body is not None and np.abs(mechanism.forces()[mechanism.rows[base.name]]).max() > _FALLS:
-        return assembly
-    parts = [_placed(part, mechanism.bodies.get(part.name)) for part in assembly.parts]
-    return replace(assembly, parts=led_to(assembly.parts, parts, assembly.links))
+
+    assembly: Assembly
+    held: tuple[str, ...]
 
 
-def with_free_joints(assembly: Assembly) -> Assembly:
-    """The assembly whose static search leaves joints free about their lines, where it has an equilibrium so.
+def static_start(assembly: Assembly) -> Start:
+    """The start of an assembly; unchanged without preload, SceneError where there is no equilibrium near.
 
     Hinge lines are held on their way; a joint of a linkage carries no torque about its line in a run's first instant
-    either. Joints that take part in what loads would drive away, such as those of pendulums, stay held; what moves
-    without force may, as nothing moves it.
+    either, and is free in equilibrium as well. Joints that take part in what loads would drive away, such as those of
+    pendulums, are held; what moves without force may, as nothing moves it.
     """
-    joints = set(held_joints(assembly))
-    while assembly.preload and joints:
+    if not assembly.preload:
+        return Start(assembly, ())
+    joints, held = set(_joints(assembly)), set[str]()
+    while True:
         freed = _freed(assembly, joints)
         driven = _driven(freed, joints)
         if not driven:
-            return freed
+            mechanism = _held(freed, is_led=True)
+            try:
+                come_to_rest(mechanism)
+                break
+            except NoEquilibriumError as error:
+                driven = joints.copy()
+                if not driven:
+                    raise SceneError([f"{assembly.name}: {_described(mechanism, error)}"]) from None
         joints -= driven
-    return assembly
+        held |= driven
+    parts = [_placed(part, mechanism.bodies.get(part.name)) for part in freed.parts]
+    return Start(
+        replace(assembly, parts=tuple(parts)), tuple(part.name for part in parts if part.name in held)
+    )
 
 
-def held_joints(assembly: Assembly) -> list[str]:
-    """Joints of no hinge line that the static search holds about their lines, unless a scene has springs there."""
+def started_at_rest(assembly: Assembly) -> Assembly:
+    """The same for hosts that lead nothing: connections start where the bodies' ports are, and know where from."""
+    if not assembly.preload:
+        return assembly
+    parts = led_to(assembly.parts, static_start(assembly).assembly.parts, assembly.links)
+    return replace(assembly, parts=parts, preload=False)
+
+
+def _joints(assembly: Assembly) -> list[str]:
+    """Joints of no hinge line, unless a scene has springs about their lines."""
     of_lines = {hinge for line in assembly.hinge_lines for hinge in line.hinges}
     return [
         part.name
@@ -75,6 +86,7 @@ def held_joints(assembly: Assembly) -> list[str]:
 
 
 def _freed(assembly: Assembly, joints: Collection[str]) -> Assembly:
+    """The assembly that holds nothing about the lines of these joints."""
     parts = (
         replace(part, start={**part.start, _HOLD: 0.0}) if part.name in joints else part
         for part in assembly.parts
@@ -82,25 +94,25 @@ def _freed(assembly: Assembly, joints: Collection[str]) -> Assembly:
     return replace(assembly, parts=tuple(parts))
 
 
-def _driven(freed: Assembly, joints: Collection[str]) -> set[str]:
-    """Those of the free joints that have to be held for an equilibrium near the start: all where that is not clear.
+def _held(assembly: Assembly, *, is_led: bool) -> Mechanism:
+    """Its mechanism with all held that can be, but for what hold-downs or drives keep."""
+    mechanism = Mechanism(assembly.parts, assembly.links, assembly.base, is_led=is_led)
+    mechanism.command(HOLD.name, 1.0, mechanism.connections)
+    mechanism.command(HOLD.name, 0.0, bolted_hinges(assembly.hinge_lines))
+    return mechanism
 
-    Beams of large deformation are rigid here, where nothing has to be known but what holds them.
-    """
-    bends = any(part.kind == Beam.kind for part in freed.parts)
-    stiff = [as_rigid(part) if part.kind == Beam.kind else part for part in freed.parts]
-    try:
-        mechanism = _held(replace(freed, parts=tuple(stiff)))
-        drive = driven_motion(mechanism)
-        if drive is None and not bends:
-            settle(mechanism, "", idle=True)
-    except SceneError:
-        return set(joints)
-    if drive is None:
+
+def _driven(freed: Assembly, joints: Collection[str]) -> set[str]:
+    """Those of the free joints that loads would drive away, but for friction."""
+    if not joints:
         return set()
-    turns = {name: _turn(mechanism, name, drive) for name in joints}
+    mechanism = _held(freed, is_led=False)
+    motion = driven_motion(mechanism)
+    if motion is None:
+        return set()
+    turns = {name: _turn(mechanism, name, motion) for name in joints}
     largest = max(turns.values())
-    return {name for name, turn in turns.items() if turn >= _PART * largest}
+    return {name for name, turn in turns.items() if largest > 0.0 and turn >= _PART * largest}
 
 
 def _turn(mechanism: Mechanism, joint: str, motion: Vector) -> float:
@@ -109,18 +121,42 @@ def _turn(mechanism: Mechanism, joint: str, motion: Vector) -> float:
     return float(np.linalg.norm(outboard - inboard))
 
 
-def _held(assembly: Assembly) -> Mechanism:
-    """Its mechanism with all held that can be."""
-    mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
-    mechanism.command(HOLD.name, 1.0, mechanism.connections)
-    mechanism.command(HOLD.name, 0.0, bolted_hinges(assembly.hinge_lines))
-    return mechanism
+def _described(mechanism: Mechanism, error: NoEquilibriumError) -> str:
+    """A sentence on what does not come to rest: which body moves most, and how."""
+    motions = {
+        name: error.acceleration[rows].reshape(-1)[:6]
+        for name, rows in mechanism.rows.items()
+        if not mechanism.bodies[name].is_led
+    }
+    name = max(motions, key=lambda body: np.abs(motions[body]).max())
+    if error.turns_as_one:
+        return (
+            "there is no static equilibrium to start from: with all hinges held, loads turn all that is free as one "
+            f"{_way(motions[name][3:], 'about', 'rad/s2')}; start without preload, or have them begin later"
+        )
+    shift, turn = motions[name][:3], motions[name][3:]
+    moves = np.abs(shift).max() >= np.abs(turn).max()
+    way = _way(shift, "along", "m/s2") if moves else _way(turn, "about", "rad/s2")
+    return (
+        f"there is no static equilibrium to start from: with all hinges held, {name} still moves {way}; nothing, or "
+        "next to nothing, holds it in that direction: add a connection with stiffness there, or start without preload"
+    )
+
+
+def _way(vector: Vector, words: str, unit: str) -> str:
+    size = float(np.linalg.norm(vector))
+    x, y, z = (vector / size).round(2).tolist()
+    return f"{words} ({x:g}, {y:g}, {z:g}), by {size:.2g} {unit}"
 
 
 def _placed(part: Part, at: PlacedBody | None) -> Part:
     """A part that starts where its body came to rest."""
-    if at is None or at.body is None:
+    if at is None or at.is_led:
         return part
+    if isinstance(at, PlacedBeam):
+        w, x, y, z = np.ravel(part.start["initial_orientation"]).tolist()
+        return replace(part, start={**part.start, **at.bent_from((w, x, y, z))})
+    assert at.body is not None
     center = tuple(at.body.data.center_of_mass.tolist())
     start = {
         "initial_position": tuple((at.position - np.array(rotate(at.orientation, center))).tolist()),

@@ -15,7 +15,6 @@ from components.contract.component import Vector
 from components.contract.frames import skew
 
 from ...scene import CheckedScene
-from ...scene.bodies import motions
 from .placed_body import PlacedBody
 
 _STILL = 1e-9
@@ -82,4 +81,4 @@ def spin_at_start(scene: CheckedScene) -> Spin | None:
 
 def turning_at(scene: CheckedScene, time: float) -> list[str]:
     """Names of what turns by a law at a time (s), the base among them."""
-    return [name for name, motion in motions(scene).items() if abs(motion.laws[1].rate(time)) > _STILL]
+    return [name for name, motion in scene.motions.items() if abs(motion.laws[1].rate(time)) > _STILL]

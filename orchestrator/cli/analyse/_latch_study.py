@@ -1,9 +1,9 @@
-"""Common parts of the convergence studies: options, pictures, table of latch-ups."""
+"""Common parts of the convergence studies: pictures, table of latch-ups."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,15 +11,10 @@ import click
 
 import orchestrator as fanfold
 
-from ..options import Command
-from ..types import Number
-
 if TYPE_CHECKING:
     from rich.table import Table
 
     from ...analysis.studies import Case, LatchStudy
-
-_NUMBER = 7
 
 
 def report_study(
@@ -39,45 +34,18 @@ def report_study(
     console.print(f"pictures and results in {folder}")
 
 
-def study_options(study: str, runs: str) -> Callable[[Command], Command]:
-    """Common options of the studies; runs: those with the tolerance."""
-
-    def with_options(command: Command) -> Command:
-        text = "One JSON object on standard output."
-        command = click.option("--json", "as_json", is_flag=True, help=text)(command)
-        command = click.option(
-            "-o", "--output", type=click.Path(path_type=Path, file_okay=False),
-            help=f"Folder for results and pictures; by default SCENE.{study}.",
-        )(command)  # fmt: skip
-        return click.option(
-            "--tolerance", type=Number(min=1e-10, max=0.1),
-            help=f"Relative accuracy of the {runs}; by default that of the scene.",
-        )(command)  # fmt: skip
-
-    return with_options
-
-
 def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
     """Latch times and latch torque peaks of every case, with their differences from the reference."""
     from ...analysis.studies import latch_rows
-    from ..tables import plain_table
+    from ..tables import table_of
 
-    table = plain_table(title)
-    table.add_column("case")
-    for heading in (
-        "line",
-        "latch-up, s",
-        "change, s",
-        "peak, N.m",
-        "change, %",
-        "steps",
-    ):
-        table.add_column(heading, justify="right", min_width=_NUMBER)
+    rows = []
     for case in cases:
         first = True
         for line, time, shift, peak, change in latch_rows(case, reference):
             steps = str(case.outcome.costs.steps) if first else ""
             name = case.label if first else ""
-            table.add_row(name, line, f"{time:.6f}", f"{shift:+.2e}", f"{peak:.5g}", f"{change:+.3f}", steps)
+            rows.append((name, line, f"{time:.6f}", f"{shift:+.2e}", f"{peak:.5g}", f"{change:+.3f}", steps))
             first = False
-    return table
+    headings = ("case", "line", "latch-up, s", "change, s", "peak, N.m", "change, %", "steps")
+    return table_of(title, headings, rows, ("case",))

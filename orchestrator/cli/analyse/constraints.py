@@ -10,10 +10,11 @@ import click
 
 import orchestrator as fanfold
 
-from ..options import SceneChoice, layered_scene
+from ..command import made_of
 
 if TYPE_CHECKING:
-    from ...scene.loops.freedoms import Constraints
+    from ...scene.builder import Scene
+    from ...scene.freedoms import Constraints
 
 
 def _number(value: float | None) -> str:
@@ -36,23 +37,16 @@ def _rows(found: Constraints) -> list[tuple[str, str]]:
     ]
 
 
-@click.command("constraints")
-@layered_scene
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(choice: SceneChoice, as_json: bool) -> None:
+@made_of("constraints", name="constraints")
+def command(scene: Scene, as_json: bool = False) -> None:
     """Constraints of the joints of SCENE at its start: number, rank, redundant constraints, free motions."""
-    found = fanfold.constraints(choice.load())
+    found = fanfold.constraints(scene)
     derived = {"grubler": found.grubler, "freedoms": found.freedoms, "singular": found.is_singular}
     if as_json:
         click.echo(json.dumps(asdict(found) | derived | {"warnings": found.warnings}))
         return
-    from ..tables import plain_table, terminal
+    from ..tables import table_of, terminal
 
-    table = plain_table("constraints")
-    table.add_column("")
-    table.add_column("")
-    for row in _rows(found):
-        table.add_row(*row)
-    terminal().print(table)
+    terminal().print(table_of("constraints", ("", ""), _rows(found), ("",)))
     for sentence in found.warnings:
         click.echo(f"Warning: {sentence}", err=True)

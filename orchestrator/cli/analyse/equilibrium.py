@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 import click
 
 import orchestrator as fanfold
 
-from ..options import SceneChoice, ordered_names, refuse_idle, scene_choice
-from ..types import Count
-from ._configuration import ConfigurationChoice, angle_of, configuration_choice, lines_given
+from ..command import Asked, made_of
+from ..types import ordered_names
+from ._configuration import ANGLES, angle_of
+
+if TYPE_CHECKING:
+    from ...scene.builder import Scene
 
 _EXAMPLES = """\b
 Examples:
@@ -22,9 +26,9 @@ Examples:
 
 def sweeps_given(
     _: click.Context, __: click.Parameter, values: tuple[str, ...]
-) -> dict[str, tuple[float, float]]:
-    """First and last angle (rad) by line, of HL1=0deg:90deg,HL2=0deg:180deg."""
-    found: dict[str, tuple[float, float]] = {}
+) -> dict[str, tuple[str, str]]:
+    """First and last angle by line, of HL1=0deg:90deg,HL2=0deg:180deg."""
+    found: dict[str, tuple[str, str]] = {}
     for entry in ordered_names(_, __, values):
         name, equals, angles = entry.partition("=")
         start, colon, end = angles.partition(":")
@@ -40,51 +44,37 @@ def sweeps_given(
     return found
 
 
-@click.command("equilibrium", epilog=_EXAMPLES)
-@scene_choice
-@configuration_choice
-@click.option(
-    "--hold", multiple=True, metavar="LINES", callback=lines_given,
-    help=(
-        "Held lines, separated by commas, or all, or none; by default all lines that are not latched, in a sweep "
-        "none."
-    ),
-)  # fmt: skip
-@click.option(
-    "--preload", is_flag=True, help="Give cable loops exactly their preload, as at the start of a run."
+@made_of(
+    "equilibrium",
+    "quasi_static",
+    name="equilibrium",
+    epilog=_EXAMPLES,
+    angles=ANGLES,
+    sweeps={
+        "flags": "--sweep",
+        "multiple": True,
+        "required": False,
+        "metavar": "LINE=FROM:TO,...",
+        "callback": sweeps_given,
+        "help": "Sweep the angles of lines, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
+    },
+    steps={"needs": "sweeps"},
 )
-@click.option(
-    "--sweep", "sweeps", multiple=True, callback=sweeps_given, metavar="LINE=FROM:TO,...",
-    help="Sweep the angles of lines, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
-)  # fmt: skip
-@click.option(
-    "--steps",
-    type=Count(min=1, max=10_000),
-    default=12,
-    show_default=True,
-    help="Number of steps of a sweep.",
-)
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(
-    choice: SceneChoice,
-    wanted: ConfigurationChoice,
-    hold: tuple[str, ...] | None,
-    preload: bool,
-    sweeps: dict[str, tuple[float, float]],
-    steps: int,
-    as_json: bool,
-) -> None:
-    """Static equilibrium of SCENE and the loads of its connections, in one configuration or over a sweep."""
-    refuse_idle("--steps", "--sweep")
-    if preload and sweeps:
+def command(scene: Scene, asked: Asked, as_json: bool = False) -> None:
+    """Static equilibrium of SCENE and the loads of its connections, in one configuration or over a sweep.
+
+    Options
+    -------
+    hold
+        held lines, or all, or none; by default all lines that are not latched, in a sweep none
+    """
+    sweeps = asked["quasi_static"]["sweeps"]
+    if asked["equilibrium"]["preload"] and sweeps:
         raise click.UsageError("--preload and --sweep exclude each other; leave one of them out")
-    scene = choice.load()
     if sweeps:
-        found = fanfold.quasi_static(
-            scene, sweeps, **wanted.posed, **choice.fidelities, hold=hold, steps=steps
-        )
+        found = fanfold.quasi_static(scene, **asked["quasi_static"])
     else:
-        found = [fanfold.equilibrium(scene, **wanted.posed, **choice.fidelities, hold=hold, preload=preload)]
+        found = [fanfold.equilibrium(scene, **asked["equilibrium"])]
     if as_json:
         content = {"scene": scene.name, "equilibria": [one.as_dict() for one in found]}
         click.echo(json.dumps(content))

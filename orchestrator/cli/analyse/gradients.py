@@ -1,4 +1,4 @@
-"""`fanfold analyse gradients`: derivatives of headline numbers with respect to keys of a scene, from one deployment."""
+"""`fanfold analyse gradients`: derivatives of headline numbers with respect to keys of a scene, from replayed runs."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ import click
 
 import orchestrator as fanfold
 
-from ..options import SceneChoice, large_deformation_option, scene_choice
+from ...api.options import Picture
+from ..command import Asked, made_of
 from ..progress import progress
-from ..types import Number, Picture, Seconds
 
 if TYPE_CHECKING:
     from ...analysis.sampling.gradients import Gradients
+    from ...scene.builder import Scene
 
 
 _SURE, _MOST, _REAL = 0.01, 10.0, 0.1
@@ -24,71 +25,32 @@ _SURE, _MOST, _REAL = 0.01, 10.0, 0.1
 the third a derivative of a number that is round-off is shown."""
 
 
-@click.command("gradients")
-@scene_choice
-@large_deformation_option
-@click.option(
-    "--by", "keys", multiple=True, required=True, metavar="KEY",
-    help=(
-        "Key to differentiate by, such as hinge_line.HL1.motor.stowed; 'KEY*' is a factor, keys separated by "
-        "commas change together; repeatable."
-    ),
-)  # fmt: skip
-@click.option("--central", is_flag=True, help="Use central differences, for twice the cost.")
-@click.option(
-    "--verify/--no-verify",
-    default=True,
-    show_default=True,
-    help=(
-        "Include step-size errors in the errors, from a second run at a tenth of the tolerance. Without them "
-        "loads may be wrong, even in sign."
-    ),
-)
-@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
-@click.option(
-    "--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time of the run in seconds."
-)
-@click.option(
-    "-o", "--output", type=Picture(), metavar="FILE", default=None,
-    help="Picture; by default SCENE.gradients.png.",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(
-    choice: SceneChoice,
-    large_deformation: frozenset[str],
-    keys: tuple[str, ...],
-    central: bool,
-    verify: bool,
-    tolerance: float | None,
-    until: float | None,
-    output: Path | None,
-    as_json: bool,
-) -> None:
-    """Derivatives of the headline numbers of SCENE with respect to its keys, through all latch-ups."""
-    found = fanfold.gradients(
-        choice.load(),
-        keys,
-        **choice.fidelities,
-        large_deformation=large_deformation,
-        central=central,
-        verify=verify,
-        tolerance=tolerance,
-        until=until,
-        progress=progress,
-    )
+@made_of("gradients", name="gradients", keys={"flags": "--by", "metavar": "KEY"})
+def command(scene: Scene, asked: Asked, output: Picture | None = None, as_json: bool = False) -> None:
+    """Derivatives of the headline numbers of SCENE with respect to its keys, through all latch-ups.
+
+    Options
+    -------
+    keys
+        key to differentiate by, such as hinge_line.HL1.motor.stowed; 'KEY*' is a factor, keys separated by commas
+        change together; repeatable
+    output
+        picture; by default SCENE.gradients.png
+    """
+    found = fanfold.gradients(scene, **asked["gradients"], progress=progress)
     from ...views.gradients import plot_gradients  # matplotlib takes its time
 
     picture = plot_gradients(found, output or Path(f"{found.scene}.gradients.png"))
     if as_json:
         click.echo(json.dumps(found.plain()))
     else:
-        _report(found, verify)
+        _report(found)
     if warning := found.warning:
         click.echo(warning, err=True)
     click.echo(picture, err=as_json)
 
 
-def _report(found: Gradients, verified: bool) -> None:
+def _report(found: Gradients) -> None:
     from ..tables import Column, tables_that_fit, terminal
 
     console, round_off, unreliable = (
@@ -100,7 +62,7 @@ def _report(found: Gradients, verified: bool) -> None:
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
         Column(
-            "error" if verified else "without those\nof steps sure to",
+            "error",
             [
                 "round-off" if nothing else f"{error:.0e}" if error > 0.0 else ""
                 for nothing, error in zip(round_off, found.errors.tolist(), strict=True)

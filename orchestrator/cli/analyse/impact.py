@@ -11,24 +11,22 @@ import click
 
 import orchestrator as fanfold
 
-from ..types import Picture
+from ...api.options import Picture
+from ..command import made_of
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from ...analysis.impact import Impact
 
-_NUMBER = 7
-
 
 def impact_table(found: list[Impact], angular: bool) -> Table:
     """For people: those of contacts, or of end stops."""
-    from ..tables import plain_table
+    from ..tables import table_of
 
-    table = plain_table("impacts in end stops" if angular else "impacts")
-    table.add_column("end stop" if angular else "contact")
-    way, load = ("mrad", "N.m") if angular else ("mm", "N")
-    for heading in (
+    what, way, load = ("end stop", "mrad", "N.m") if angular else ("contact", "mm", "N")
+    headings = (
+        what,
         "at, s",
         "for, ms",
         f"closing, {way}/s",
@@ -36,25 +34,24 @@ def impact_table(found: list[Impact], angular: bool) -> Table:
         f"impulse, {load}.s",
         f"deepest, {way}",
         "lost, mJ",
-    ):
-        table.add_column(heading, justify="right", min_width=_NUMBER)
+    )
+    rows = []
     for k in (impact for impact in found if impact.angular == angular):
         values = (1e3 * k.duration, 1e3 * k.closing_speed, k.peak_force, k.impulse, 1e3 * k.deepest)
-        table.add_row(
-            k.contact, f"{k.start:.4f}", *(f"{value:.4g}" for value in values), f"{1e3 * k.dissipated:.3g}"
-        )
-    return table
+        shown = (f"{value:.4g}" for value in values)
+        rows.append((k.contact, f"{k.start:.4f}", *shown, f"{1e3 * k.dissipated:.3g}"))
+    return table_of("impacts in end stops" if angular else "impacts", headings, rows, (what,))
 
 
-@click.command("impact")
-@click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option(
-    "-o", "--output", type=Picture(), metavar="FILE",
-    help="Picture; by default RESULT.impact.png.",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(result: Path, output: Path | None, as_json: bool) -> None:
-    """Impacts of all contacts and end stops in RESULT: time, speed, peak load, impulse, energy loss."""
+@made_of("impacts", name="impact")
+def command(result: Path, output: Picture | None = None, as_json: bool = False) -> None:
+    """Impacts of all contacts and end stops in RESULT: time, speed, peak load, impulse, energy loss.
+
+    Options
+    -------
+    output
+        picture; by default RESULT.impact.png
+    """
     opened = fanfold.Result.open(result)
     found = fanfold.impacts(opened)
     picture = output or result.with_suffix(".impact.png")

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 import orchestrator as fanfold
 
-from ..options import SceneChoice, scene_choice
+from ...api.options import Folder
+from ..command import Asked, made_of, usual_file
 from ..progress import progress
-from ._latch_study import report_study, study_options
+from ._latch_study import report_study
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from components.contract.component import Vector
 
     from ...analysis.mode_study import Frequencies
+    from ...scene.builder import Scene
 
 
 def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Table]:
@@ -53,52 +53,19 @@ def _error(values: Vector, free: Vector, k: int) -> str:
     return f"{100.0 * (values[k] / free[k] - 1.0):+.3g}" if k < len(values) else ""
 
 
-def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, ...]:
-    try:
-        counts = tuple(sorted({int(text) for text in value.split(",")}))
-    except ValueError:
-        raise click.BadParameter("give integers separated by commas", param=param) from None
-    if counts[0] < 0 or len(counts) < 2:
-        raise click.BadParameter("give at least two different numbers of modes, none negative", param=param)
-    return counts
+@made_of("mode_study", name="mode-study", counts={"flags": "--modes"})
+def command(scene: Scene, asked: Asked, folder: Folder | None = None, as_json: bool = False) -> None:
+    """Convergence of the latch-up of SCENE with the number of fixed-interface modes of a body.
 
-
-@click.command("mode-study")
-@scene_choice
-@click.option(
-    "--body",
-    metavar="BODY",
-    help="Body whose number of modes varies; required if several bodies are flexible.",
-)
-@click.option(
-    "--modes", "counts", default="2,3,4,5,10,20,30", show_default=True, callback=_counts, metavar="N,N,...",
-    help="Numbers of fixed-interface modes; the largest is the reference.",
-)  # fmt: skip
-@study_options("mode-study", "runs")
-def command(
-    choice: SceneChoice,
-    body: str | None,
-    counts: tuple[int, ...],
-    tolerance: float | None,
-    output: Path | None,
-    as_json: bool,
-) -> None:
-    """Convergence of the latch-up of SCENE with the number of fixed-interface modes of a body."""
-    from ...run.simulation import fidelity_word, result_file  # takes its time, which --help need not
-
-    scene = choice.load()
-    fidelity = fidelity_word(**choice.fidelities)
-    folder = output or result_file(scene.name, scene.chosen, fidelity, "mode-study")
-    study = fanfold.mode_study(
-        scene,
-        body,
-        counts=counts,
-        **choice.fidelities,
-        tolerance=tolerance,
-        folder=folder,
-        progress=progress,
-    )
+    Options
+    -------
+    folder
+        folder for results and pictures; by default SCENE.mode-study
+    """
+    options = asked["mode_study"]
+    place = Path(folder or usual_file(scene, options, "mode-study"))
+    study = fanfold.mode_study(scene, **options, folder=place, progress=progress)
     from ..tables import terminal
 
     tables = frequency_tables(study.body, study.frequencies, terminal().width)
-    report_study(study.latch_up, folder, study.as_dict() if as_json else None, tables)
+    report_study(study.latch_up, place, study.as_dict() if as_json else None, tables)

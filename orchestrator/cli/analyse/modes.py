@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
 import orchestrator as fanfold
 
 from ...analysis.vibration import DIRECTIONS
-from ..options import SceneChoice, refuse_idle, scene_choice
-from ..types import Count
-from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice
+from ...api.options import Folder, Positive
+from ..command import Asked, made_of
+from ._configuration import ANGLES
 
 if TYPE_CHECKING:
     from ...analysis.modes import Modes
+    from ...scene.builder import Scene
 
 _ROUNDED_UP = (9.995, 99.95)
 """%: from here on two decimals, and one, take more than four characters"""
@@ -27,52 +28,20 @@ _LISTED = 4
 """Longest list in a sentence."""
 
 
-@click.command("modes")
-@scene_choice
-@configuration_choice
-@as_posed_option
-@click.option(
-    "--base", type=click.Choice(("as-built", "held")), default="as-built", show_default=True,
-    help="A free spacecraft moves with the wing, or is held.",
-)  # fmt: skip
-@click.option(
-    "--count", type=Count(min=1), default=15, show_default=True, help="Number of modes in the table."
-)
-@click.option(
-    "-o",
-    "--plot",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for pictures of mode shapes.",
-)
-@click.option(
-    "--shapes",
-    type=Count(min=1),
-    default=4,
-    show_default=True,
-    help="Number of mode shapes to draw, with --plot.",
-)
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@made_of("modes", name="modes", angles=ANGLES, shapes={"needs": "plot"}, plot={"flags": "-o --plot"})
 def command(
-    choice: SceneChoice,
-    wanted: ConfigurationChoice,
-    as_posed: bool,
-    base: Literal["as-built", "held"],
-    count: int,
-    plot: Path | None,
-    shapes: int,
-    as_json: bool,
+    scene: Scene, asked: Asked, plot: Folder | None = None, shapes: Positive = 4, as_json: bool = False
 ) -> None:
-    """Natural frequencies, damping and effective masses of SCENE in a configuration."""
-    refuse_idle("--shapes", "--plot")
-    scene = choice.load()
-    found = fanfold.modes(
-        scene,
-        **wanted.posed,
-        **choice.fidelities,
-        as_posed=as_posed,
-        base="held" if base == "held" else "as_built",
-        count=count,
-    )
+    """Natural frequencies, damping and effective masses of SCENE in a configuration.
+
+    Options
+    -------
+    plot
+        folder for pictures of mode shapes
+    shapes
+        number of mode shapes to draw, with `plot`
+    """
+    found = fanfold.modes(scene, **asked["modes"])
     if as_json:
         click.echo(json.dumps(found.as_dict()))
     else:
@@ -82,27 +51,24 @@ def command(
     if plot is not None:
         from ...views.linear import plot_modes  # matplotlib takes its time
 
-        for path in plot_modes(found, plot, shapes):
+        for path in plot_modes(found, Path(plot), shapes):
             click.echo(path, err=as_json)
 
 
 def _print(found: Modes) -> None:
-    from ..tables import plain_table, terminal
+    from ..tables import table_of, terminal
 
     with_masses = found.base != "free" and not found.turns
     words = "; effective masses in % of the rigid-body masses" if with_masses else ""
-    table = plain_table(f"normal modes, {_BASES[found.base]}{words}")
-    table.add_column("mode", justify="right", no_wrap=True)
-    table.add_column("freq.,\nHz", justify="right", min_width=7)
-    table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
-    for heading in DIRECTIONS if with_masses else ():
-        table.add_column(heading, justify="right", min_width=4, no_wrap=True)
-    table.add_column("dominant body,\n% of kinetic energy")
+    body = "dominant body,\n% of kinetic energy"
+    rows = []
     for mode in found.listed:
         masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if with_masses)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
-        table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}")
+        rows.append((f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}"))
+    headings = ("mode", "freq.,\nHz", "damp.,\n%", *(DIRECTIONS if with_masses else ()), body)
+    table = table_of(f"normal modes, {_BASES[found.base]}{words}", headings, rows, (body,))
     console = terminal()
     console.print(table)
     console.print(str(found.configuration))

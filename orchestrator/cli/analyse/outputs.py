@@ -10,40 +10,35 @@ import click
 
 import orchestrator as fanfold
 
-from ..options import result_options
+from ...api.options import OutputFile
+from ..command import Asked, made_of
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...analysis.stress.outputs import BodyOutputs
 
 
-@click.command("outputs")
-@click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option("--body", required=True, metavar="BODY", help="The imported body.")
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-    help="CSV file with all recorded times; by default BODY_outputs.csv in a folder named after RESULT.",
-)  # fmt: skip
-@result_options
-def command(result: Path, body: str, output: Path | None) -> None:
-    """Element stresses and forces of an imported body in RESULT: extremes and histories."""
-    found = fanfold.body_outputs(result, body)
-    from ..tables import terminal
+@made_of("body_outputs", name="outputs")
+def command(result: Path, asked: Asked, output: OutputFile | None = None) -> None:
+    """Element stresses and forces of an imported body in RESULT: extremes and histories.
 
-    terminal().print(_table(found))
-    click.echo(_write(found, output or result.with_suffix("") / f"{body}_outputs.csv"))
+    Options
+    -------
+    body
+        the imported body
+    output
+        CSV file with all recorded times; by default BODY_outputs.csv in a folder named after RESULT
+    """
+    found = fanfold.body_outputs(result, **asked["body_outputs"])
+    from ..tables import table_of, terminal
 
-
-def _table(found: BodyOutputs) -> Table:
-    from rich.table import Table
-
-    table = Table(title=f"{found.body}: extremes over {found.time.size} recorded times")
-    for name in ("output", "unit", "smallest", "at, s", "largest", "at, s"):
-        table.add_column(name, justify="left" if name in ("output", "unit") else "right")
-    for label, unit, low, first, high, last in found.extremes():
-        table.add_row(label, unit, f"{low:.6g}", f"{first:.5f}", f"{high:.6g}", f"{last:.5f}")
-    return table
+    title = f"{found.body}: extremes over {found.time.size} recorded times"
+    headings = ("output", "unit", "smallest", "at, s", "largest", "at, s")
+    rows = (
+        (label, unit, f"{low:.6g}", f"{first:.5f}", f"{high:.6g}", f"{last:.5f}")
+        for label, unit, low, first, high, last in found.extremes()
+    )
+    terminal().print(table_of(title, headings, rows, ("output", "unit")))
+    click.echo(_write(found, Path(output or result.with_suffix("") / f"{found.body}_outputs.csv")))
 
 
 def _write(found: BodyOutputs, path: Path) -> Path:

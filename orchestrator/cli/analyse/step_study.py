@@ -3,48 +3,31 @@
 from __future__ import annotations
 
 from pathlib import Path
-
-import click
+from typing import TYPE_CHECKING
 
 import orchestrator as fanfold
 
-from ..options import SceneChoice, scene_choice
+from ...api.options import Folder
+from ..command import Asked, made_of, usual_file
 from ..progress import progress
-from ._latch_study import report_study, study_options
+from ._latch_study import report_study
+
+if TYPE_CHECKING:
+    from ...scene.builder import Scene
 
 
-def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float, ...]:
-    from ...analysis.step_study import study_steps
+@made_of("step_study", name="step-study")
+def command(scene: Scene, asked: Asked, folder: Folder | None = None, as_json: bool = False) -> None:
+    """Convergence of the latch-up of SCENE with the communication step size.
 
-    try:
-        return study_steps([float(text) for text in value.split(",")])
-    except ValueError:
-        raise click.BadParameter("give step sizes in seconds, separated by commas", param=param) from None
-    except fanfold.FanfoldError as error:
-        raise click.BadParameter(str(error), param=param) from None
-
-
-@click.command("step-study")
-@scene_choice
-@click.option(
-    "--steps", default="2e-3,1e-3,5e-4,2e-4,1e-4,5e-5", show_default=True, callback=_steps, metavar="S,S,...",
-    help="Fixed communication step sizes in seconds; the smallest is the reference.",
-)  # fmt: skip
-@study_options("step-study", "run with step control")
-def command(
-    choice: SceneChoice,
-    steps: tuple[float, ...],
-    tolerance: float | None,
-    output: Path | None,
-    as_json: bool,
-) -> None:
-    """Convergence of the latch-up of SCENE with the communication step size."""
-    from ...run.simulation import fidelity_word, result_file  # takes its time, which --help need not
-
-    scene = choice.load()
-    fidelity = fidelity_word(**choice.fidelities)
-    folder = output or result_file(scene.name, scene.chosen, fidelity, "step-study")
-    study = fanfold.step_study(
-        scene, steps=steps, **choice.fidelities, tolerance=tolerance, folder=folder, progress=progress
-    )
-    report_study(study, folder, {"cases": study.as_dicts()} if as_json else None)
+    Options
+    -------
+    tolerance
+        relative accuracy of the run with step control; by default that of the scene
+    folder
+        folder for results and pictures; by default SCENE.step-study
+    """
+    options = asked["step_study"]
+    place = Path(folder or usual_file(scene, options, "step-study"))
+    study = fanfold.step_study(scene, **options, folder=place, progress=progress)
+    report_study(study, place, {"cases": study.as_dicts()} if as_json else None)

@@ -11,13 +11,15 @@ import click
 
 import orchestrator as fanfold
 
-from ...analysis.torque_margin.standard import DEMANDS, FACTORS, FactorKind
-from ..options import SceneChoice, layered_scene, ordered_names, refuse_idle
+from ...analysis.torque_margin.standard import DEMANDS, FACTORS
+from ...api.options import Folder
+from ..command import Asked, made_of
 from ..progress import progress
-from ..types import Count, Seconds, given_quantity
+from ..types import given_quantity
 
 if TYPE_CHECKING:
-    from ...analysis.torque_margin.sweep import FrictionKind
+    from ...api.quantities import Duration
+    from ...scene.builder import Names, Scene
 
 FAILED = 3
 """Exit code where a margin or a restart fails, which is no error of the command."""
@@ -42,58 +44,30 @@ def _extra_torques(
     return found
 
 
-@click.command("torque-margin")
-@layered_scene
-@click.option(
-    "--case", "names", multiple=True, callback=ordered_names, metavar="NAMES",
-    help="Variants to analyse, base for none, separated by commas; by default base, and cold if the scene has it.",
-)  # fmt: skip
-@click.option(
-    "--factors", type=click.Choice(list(FACTORS)), default="theoretical", show_default=True,
-    help="Uncertainty factors of ECSS-E-ST-33-01C, table 4-2; measured ones need an approved test.",
-)  # fmt: skip
-@click.option(
-    "--friction", type=click.Choice(["constant", "sliding", "static"]), default="sliding", show_default=True,
-    help="constant: preload torque alone; sliding, static: also friction due to joint reactions.",
-)  # fmt: skip
-@click.option(
-    "--torque", "extra", multiple=True, callback=_extra_torques, metavar="LINE.SYMBOL=TORQUE",
-    help=(
-        f"Additional torque of a line with its unit, such as HL2.HY=0.02N.m; ECSS symbols {', '.join(_SYMBOLS)}; "
-        "repeatable."
-    ),
-)  # fmt: skip
-@click.option(
-    "--positions", type=Count(min=2, max=10_000), default=19, show_default=True,
-    help="Number of positions over the travel, including its ends.",
-)  # fmt: skip
-@click.option(
-    "--restart", "restarts", multiple=True, callback=ordered_names, metavar="POSITIONS",
-    help=(
-        "Simulate from rest at these positions, such as 25%,50% of the travel, or 45deg of the first line with a "
-        "motor."
-    ),
-)  # fmt: skip
-@click.option(
-    "--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS",
-    help="End time of restarts; by default that of the scene.",
-)  # fmt: skip
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for pictures and runs; by default named after the scene.",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@made_of(
+    "torque_margin",
+    name="torque-margin",
+    cases={"flags": "--case"},
+    torques={
+        "flags": "--torque",
+        "multiple": True,
+        "metavar": "LINE.SYMBOL=TORQUE",
+        "callback": _extra_torques,
+        "help": (
+            f"Additional torque of a line with its unit, such as HL2.HY=0.02N.m; ECSS symbols {', '.join(_SYMBOLS)}; "
+            "repeatable."
+        ),
+    },
+    restarts={"flags": "--restart", "metavar": "POSITION,..."},
+    until={"needs": "restarts"},
+)
 def command(
-    choice: SceneChoice,
-    names: tuple[str, ...],
-    factors: FactorKind,
-    friction: FrictionKind,
-    extra: dict[str, dict[str, float]],
-    positions: int,
-    restarts: tuple[str, ...],
-    until: float | None,
-    output: Path | None,
-    as_json: bool,
+    scene: Scene,
+    asked: Asked,
+    restarts: Names = (),
+    until: Duration | None = None,
+    output: Folder | None = None,
+    as_json: bool = False,
 ) -> None:
     """Torque margin of every driven hinge line of SCENE over its travel, limit 2; bodies are rigid.
 
@@ -102,21 +76,28 @@ def command(
     Sum rule: driving torque over the sum of the resisting torques times their uncertainty factors. ECSS rule
     (ECSS-E-ST-33-01C, 4.7.5.3): 0.8 of the driving torque less 1.25 TD and TL, over the same sum. Exit code 3 if a
     margin fails or a restart does not open.
+
+    Options
+    -------
+    restarts
+        simulate from rest at these positions, such as 25%,50% of the travel, or 45deg of the first line with a motor
+    until
+        end time of restarts, in seconds; by default that of the scene
+    output
+        folder for pictures and runs; by default named after the scene
     """
     from ...analysis.torque_margin.margins import margin_cases
     from ...analysis.torque_margin.restart import restart_shares
+    from ...scene.builder import listed
     from ..picture_list import pictures
     from ..tables import terminal
     from ..torque_margin_table import margin_sentences, margin_table, restart_sentences, restart_table
 
-    refuse_idle("--until", "--restart")
-    scene = choice.load()
+    names = asked["torque_margin"]["cases"]
     for case in margin_cases(scene, names).values():
-        restart_shares(case, restarts)  # refuses what is no position before anything is written
-    found = fanfold.torque_margin(
-        scene, cases=names, factors=factors, friction=friction, torques=extra, positions=positions
-    )
-    folder = output or Path(".".join((scene.name, *scene.chosen)))
+        restart_shares(case, listed(restarts))  # refuses what is no position before anything is written
+    found = fanfold.torque_margin(scene, **asked["torque_margin"])
+    folder = Path(output or ".".join((scene.name, *scene.chosen)))
     drawn = pictures(found, output, folder)
     if not as_json:
         console = terminal()

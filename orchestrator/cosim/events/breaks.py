@@ -36,12 +36,8 @@ class HoldDowns:
         self._left = times_to_break(filter(is_hold_down, participants))
         self._gone = 0
 
-    def left_any(self) -> bool:
-        """Whether any has let go since the last note."""
-        return self._count() > self._gone
-
     def note(self) -> bool:
-        """The same, and take note."""
+        """Whether any has let go since the last call."""
         before, self._gone = self._gone, self._count()
         return self._gone > before
 

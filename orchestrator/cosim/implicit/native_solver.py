@@ -231,10 +231,8 @@ class NativeSolver(Solver):
         address, solution = addressof(loop), Solution(True, 0, 0.0, 0)
         try:
             stop = Stop(self._library.coupling_follow(address))
-            while stop in (Stop.NEEDS_MATRICES, Stop.NEEDS_EVALUATION) or (
-                stop == Stop.FAILED and self._tries_again(loop)
-            ):
-                self._provide((self.mode, loop.h), loop.time, again=stop != Stop.NEEDS_MATRICES)
+            while stop in (Stop.NEEDS_MATRICES, Stop.NEEDS_EVALUATION):
+                self._provide((self.mode, loop.h), loop.time, again=stop == Stop.NEEDS_EVALUATION)
                 stop = Stop(self._library.coupling_follow(address))
             solution = self._solution(loop.status, loop.time, loop.h)
         except ParticipantError as error:
@@ -243,16 +241,8 @@ class NativeSolver(Solver):
         if not isnan(loop.ready_step):
             self._in_use = (self.mode, loop.ready_step)
         if stop == Stop.FAILED:
-            self._refuse(loop)
+            self._check(False, loop.time + loop.h)
         return stop, solution
-
-    def _tries_again(self, loop: LoopData) -> bool:
-        """Whether the step of a loop that failed is made once more, with matrices evaluated anew."""
-        return False
-
-    def _refuse(self, loop: LoopData) -> None:
-        """ParticipantError for a loop that failed."""
-        self._check(False, loop.time + loop.h)
 
     def _allow(self) -> None:
         allowed = self.tolerance

@@ -10,10 +10,10 @@ from .python_solver import PythonSolver
 from .solver import Solver
 
 
-def solver_for(network: Network, tolerance: Tolerance, kind: type[NativeSolver] = NativeSolver) -> Solver:
+def solver_for(network: Network, tolerance: Tolerance) -> Solver:
     """The native one where its library is there and can call every participant, or else the one in Python."""
     compiled = library()
     callable_ones = [native for p in network.participants if (native := p.native) is not None]
     if compiled is None or len(callable_ones) < len(network.participants):
         return PythonSolver(network, tolerance)
-    return kind(network, tolerance, callable_ones, compiled)
+    return NativeSolver(network, tolerance, callable_ones, compiled)

@@ -15,8 +15,6 @@ EXPORT void coupling_sizes(size_t *sizes) {
     sizes[0] = sizeof(Participant);
     sizes[1] = sizeof(Network);
     sizes[2] = sizeof(Loop);
-    sizes[3] = sizeof(Neighbour);
-    sizes[4] = sizeof(Neighbours);
 }
 
 /* Mobility (coordinates, wrenches) of the step just made; slope: room for all outputs. FMI status. */

@@ -90,24 +90,6 @@ class LoopData(Structure):
     _fields_ = fields("Loop", RowBlock=RowBlock)
 
 
-class Led(Structure):
-    """A step that a leader has solved, for its neighbours."""
-
-    _fields_ = fields("Led")
-
-
-class NeighbourData(Structure):
-    """A neighbouring run."""
-
-    _fields_ = fields("Neighbour", RowBlock=RowBlock)
-
-
-class NeighboursData(Structure):
-    """All neighbours of a run."""
-
-    _fields_ = fields("Neighbours")
-
-
 _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "sweep": ((c_void_p, c_double, c_double), c_int),
     "iterate": ((c_void_p, c_double, c_double, c_int), c_int),
@@ -121,12 +103,11 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "restart": ((c_void_p,), None),
     "observe": ((c_void_p,), c_int),
     "follow": ((c_void_p,), c_int),
-    "beside": ((c_void_p, c_void_p, c_double, c_double), c_int),
     "mobility": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
     "stiffness": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
     "stiffness_at_once": ((POINTER(Calls), c_void_p, c_int), c_int),
 }
-_STRUCTURES = (Calls, NetworkData, LoopData, NeighbourData, NeighboursData)
+_STRUCTURES = (Calls, NetworkData, LoopData)
 
 
 @cache

@@ -14,6 +14,7 @@ from ...assembly import Assembly
 from ...cosim.participant import ParticipantError
 from ...cosim.settings import Settings
 from ...cosim.stepping import StepError
+from ...scene.table import SceneError
 from ..errors import RunError
 from .component import AssembledScene
 from .tables import DRIVEN
@@ -54,6 +55,8 @@ def export_as_one(
             experiment,
             platforms=platforms,
         )
+    except SceneError as error:
+        raise RunError(str(error)) from None
     except (ComponentError, CompileError, ParticipantError, StepError) as error:
         raise RunError(f"{assembly.name}: {error}") from None
 

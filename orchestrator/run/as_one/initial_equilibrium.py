@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from components.contract.quantity import Vector
 
 from ...assembly import Assembly
-from ...assembly.statics.start import in_equilibrium, with_free_joints
+from ...assembly.statics.start import static_start
 from ...cosim.master import Master
 from ...cosim.network import Network
 from ...cosim.ports import Order
@@ -28,29 +28,22 @@ _KNOWN, _STATES = 4, 5
 def rest(assembly: Assembly, settings: Settings, order: Order) -> Mapping[str, ArrayLike]:
     """States and inputs of all participants, bodies first, and the wrenches at all ports; nothing without preload.
 
-    ParticipantError or StepError where there is no equilibrium.
+    SceneError where there is no equilibrium.
     """
     if not assembly.preload:
         return {}
-    assembly = with_free_joints(assembly)
-    found, is_at_rest = _search(assembly, settings, order)
-    return found if is_at_rest else _search(in_equilibrium(assembly), settings, order)[0]
-
-
-def _search(assembly: Assembly, settings: Settings, order: Order) -> tuple[Mapping[str, ArrayLike], bool]:
-    """What the master's search finds, and whether it has come to rest there."""
+    assembly = static_start(assembly).assembly
     with as_fmus(assembly, "native") as participants:
         network = Network(participants, assembly.links, order)
         master = Master(network, assembly.hinge_lines, NoRecorder(), settings, assembly.events)
         master.initialize(preload=True)
         found = master.snapshot()
     names = [participant.name for participant in network.participants]
-    tables = {
+    return {
         "rest_states": np.concatenate([_states(found.states[name]) for name in names]),
         "rest_inputs": np.concatenate([found.arrays[f"inputs {name}"] for name in names]),
         "rest_wrenches": found.arrays["accepted"],
     }
-    return tables, not master.statistics.restless
 
 
 def _states(serialised: bytes) -> Vector:

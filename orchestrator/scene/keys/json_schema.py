@@ -13,7 +13,6 @@ from typing import Any
 from pydantic.json_schema import models_json_schema
 
 from components import REGISTRY, Component, Quantity
-from components.catalogue.keys import tables_schema
 from components.numerics.motion_law import PROFILES
 
 from ..reader import ARRAYS, TABLES
@@ -23,6 +22,7 @@ Schema = dict[str, Any]
 _REFERENCE = "#/$defs/"
 _CHANGE = "Change"
 _TERM = "MotionTerm"
+_BOUNDS = {"ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "exclusiveMaximum"}
 _NUMBERS = {"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}}]}
 
 
@@ -86,7 +86,6 @@ def _definitions() -> dict[str, Schema]:
             key = info.alias or field
             one = definitions[name]["properties"][key]
             definitions[name]["properties"][key] = one | {"description": told.get(field, "")}
-    _add_bodies(definitions["Body"])
     _add_components(definitions["Connection"])
     _add_terms(definitions)
     return definitions
@@ -105,17 +104,11 @@ def _plain(schema: Any) -> Any:  # noqa: ANN401 - any part of a schema
         elif key == "anyOf":
             given = [_plain(one) for one in value if one != {"type": "null"}]
             found |= given[0] if len(given) == 1 else {key: given}
-        elif key in ("ge", "le"):
-            found[{"ge": "minimum", "le": "maximum"}[key]] = value
+        elif key in _BOUNDS:
+            found[_BOUNDS[key]] = value
         elif key != "title" and not (key == "default" and value is None):
             found[key] = _plain(value)
     return found
-
-
-def _add_bodies(body: Schema) -> None:
-    """The tables that the catalogue reads; any key of them may be left to an entry or to another body."""
-    for name, schema in tables_schema().items():
-        body["properties"][name] = _loosened(schema, named=False)
 
 
 def _add_components(connection: Schema) -> None:
@@ -169,23 +162,23 @@ def _add_terms(definitions: dict[str, Schema]) -> None:
         definitions["Motion"]["properties"][name]["items"] = _reference(_TERM)
 
 
-def _loosened(schema: Any, *, named: bool = True) -> Any:  # noqa: ANN401 - any part of a schema
-    """A deep copy where nothing is required; with `named`, of changes, which may `remove` named entries."""
+def _loosened(schema: Any) -> Any:  # noqa: ANN401 - any part of a schema
+    """A deep copy of changes: nothing is required, and named entries may be removed."""
     if isinstance(schema, list):
-        return [_loosened(one, named=named) for one in schema]
+        return [_loosened(one) for one in schema]
     if not isinstance(schema, Mapping):
         return deepcopy(schema)
     found = {}
     for key, value in schema.items():
         if key == "$ref":
-            found[key] = value + (_CHANGE if named else "")
+            found[key] = value + _CHANGE
         elif key == "properties":
-            found[key] = {name: _loosened(one, named=named) for name, one in value.items()}
+            found[key] = {name: _loosened(one) for name, one in value.items()}
         elif key == "if" or (key == "required" and isinstance(value, list)):
             found |= {key: deepcopy(value)} if key == "if" else {}
         elif key not in ("anyOf",) or not _is_of_needs(value):
-            found[key] = _loosened(value, named=named)
-    if named and "name" in found.get("properties", {}):
+            found[key] = _loosened(value)
+    if "name" in found.get("properties", {}):
         found["properties"]["remove"] = {"const": True, "description": "Takes the entry of that name away."}
     return found
 

@@ -99,7 +99,7 @@ class _Listing:
         """A value that the schema accepts."""
         whole = self._whole(schema)
         kind = whole.get("type", "")
-        if whole.get("default") is not None or "const" in whole or "enum" in whole:
+        if whole.get("default") not in (None, "") or "const" in whole or "enum" in whole:
             return whole.get("default", whole.get("const", whole.get("enum", [None])[0]))
         if "anyOf" in whole:
             return self._value(whole["anyOf"][0])
@@ -202,7 +202,7 @@ _KINDS = {
 
 
 def _range(schema: Schema) -> str:
-    low, high = schema.get("minimum"), schema.get("maximum")
+    low, high = (schema.get(end, schema.get(f"exclusive{end.title()}")) for end in ("minimum", "maximum"))
     if low is None:
         return "" if high is None else f", at most {high:g}"
     return f", from {low:g}" + ("" if high is None else f" to {high:g}")

@@ -5,7 +5,7 @@ A displacement of a body is (translation of its origin, rotation vector), world 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -31,8 +31,8 @@ from components.point_motion import PointMotion
 from ..bodies import StartPose
 from ..component_connections import component_values
 from ..connection_tables import Connection
+from ..hinge_line_tables import HingeLine
 from ..joint_presets import CONSTRAINED
-from ..schema import CheckedScene
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
@@ -100,10 +100,16 @@ class Constraint(NamedTuple):
 
 
 def constraints(
-    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], written: Mapping[str, StartPose]
+    connections: Iterable[Connection],
+    points: Mapping[str, Mapping[str, Vector3]],
+    written: Mapping[str, StartPose],
+    until: float,
 ) -> Iterator[Constraint]:
-    """Of joints with a preset, and of point motions at the start; axes count in poses as written."""
-    for connection in scene.connections:
+    """Of joints with a preset, and of point motions at the start; axes count in poses as written.
+
+    until: end (s) of the laws of motions.
+    """
+    for connection in connections:
         is_motion = connection.kind == PointMotion.kind
         if not (is_motion or connection.preset in CONSTRAINED):
             continue
@@ -113,7 +119,7 @@ def constraints(
         )
         if is_motion:
             along, about = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-            commanded = _commanded(connection, scene.header.until)
+            commanded = _commanded(connection, until)
         else:
             (along, about), commanded = _held(connection), (0.0, 0.0, 0.0)
         if any((*along, *about)):
@@ -122,10 +128,10 @@ def constraints(
 
 
 def hinge_constraints(
-    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]
+    lines: Iterable[HingeLine], points: Mapping[str, Mapping[str, Vector3]]
 ) -> Iterator[Constraint]:
     """Of the hinges of hinge lines, by their kinds; a held line holds all."""
-    for line in scene.hinge_lines:
+    for line in lines:
         turn = frame_with_x_along(line.axis)
         for hinge in line.hinges:
             along, about = CONSTRAINED["fixed" if line.held else hinge.kind]

@@ -19,7 +19,7 @@ from components.contract.frames import Vector3, dot
 from ..component_connections import component_values
 from ..connection_tables import Connection
 from ..hinge_line_tables import HingeLine
-from ..schema import CheckedScene
+from ..schema import SceneTables
 
 _NOTHING = 1e-3
 """Of the largest coefficient or rate: lines that turn about another axis than the loop, or stand still."""
@@ -59,7 +59,7 @@ class Strands(NamedTuple):
     radii: tuple[float, float]
 
 
-def strands(scene: CheckedScene) -> Iterator[Strands]:
+def strands(scene: SceneTables) -> Iterator[Strands]:
     """Strands of all cable loops whose way along a body is known."""
     for loop in _loops(scene):
         along = _carrier(scene, loop)
@@ -67,7 +67,7 @@ def strands(scene: CheckedScene) -> Iterator[Strands]:
             yield Strands(along, loop.preload, loop.radii)
 
 
-def coupled_lines(scene: CheckedScene) -> tuple[CoupledLines, ...]:
+def coupled_lines(scene: SceneTables) -> tuple[CoupledLines, ...]:
     """Groups of two or more lines that move and whose rates are in fixed ratios; held lines do not move."""
     rows = {loop.name: row for loop in _loops(scene) if (row := _row(scene, loop))}
     names = [line.name for line in scene.hinge_lines]
@@ -92,7 +92,7 @@ def rates_with(groups: Iterable[CoupledLines], name: str) -> tuple[tuple[str, fl
     return tuple((other, rate / rates[name]) for other, rate in rates.items())
 
 
-def _loops(scene: CheckedScene) -> Iterator[_Loop]:
+def _loops(scene: SceneTables) -> Iterator[_Loop]:
     """Cable loops, among them those that are connections along the axes of their bodies, and are not cut."""
     for loop in scene.loops:
         bodies, radii = zip(*((one.body, one.radius) for one in (loop.pulley_1, loop.pulley_2)), strict=True)
@@ -110,12 +110,12 @@ def _loops(scene: CheckedScene) -> Iterator[_Loop]:
             yield _Loop(one.name, structure["axis"], bodies, radii, guide, values.parameter("preload"))
 
 
-def _row(scene: CheckedScene, loop: _Loop) -> dict[str, float]:
+def _row(scene: SceneTables, loop: _Loop) -> dict[str, float]:
     """Coefficients (m) by line of the sum of rates that the loop keeps at zero; empty where it is not known."""
     carrier = _carrier(scene, loop)
     if carrier is None or not all(_is_carried(scene, body) for body in (*loop.bodies, carrier)):
         return {}
-    first, second, middle = (_turning(scene, body, loop.axis) for body in (*loop.bodies, carrier))
+    first, second, middle = (turning(scene, body, loop.axis) for body in (*loop.bodies, carrier))
     r1, r2 = loop.radii
     row = {
         name: r1 * (first.get(name, 0.0) - middle.get(name, 0.0))
@@ -125,11 +125,11 @@ def _row(scene: CheckedScene, loop: _Loop) -> dict[str, float]:
     return _without_nothing(row, max(loop.radii))
 
 
-def _carrier(scene: CheckedScene, loop: _Loop) -> str | None:
+def _carrier(scene: SceneTables, loop: _Loop) -> str | None:
     return loop.guide or body_between(scene, loop.bodies)
 
 
-def body_between(scene: CheckedScene, bodies: tuple[str, str]) -> str | None:
+def body_between(scene: SceneTables, bodies: tuple[str, str]) -> str | None:
     """The body that two lines join to two others; None where there is none."""
     ways = [list(scene.lines_inward(body)) for body in bodies]
     lines = [line for way, other in (ways, ways[::-1]) for line in way if line not in other]
@@ -139,13 +139,13 @@ def body_between(scene: CheckedScene, bodies: tuple[str, str]) -> str | None:
     return next(iter(shared - set(bodies)), None)
 
 
-def _is_carried(scene: CheckedScene, body: str) -> bool:
+def _is_carried(scene: SceneTables, body: str) -> bool:
     """Whether hinge lines alone tell how the body turns against the base."""
     lines = list(scene.lines_inward(body))
     return (lines[-1].inboard if lines else body) == scene.base.name
 
 
-def _turning(scene: CheckedScene, body: str, axis: Vector3) -> dict[str, float]:
+def turning(scene: SceneTables, body: str, axis: Vector3) -> dict[str, float]:
     """Rate of a body about an axis against the base, for a rate of one of each line that carries it and moves."""
     return {line.name: dot(line.axis, axis) for line in scene.lines_inward(body) if not line.held}
 
@@ -176,7 +176,7 @@ def _rates(names: Sequence[str], rows: Iterable[Mapping[str, float]]) -> dict[st
     return {name: round(rate / first, 12) for name, rate in moving.items()}
 
 
-def _drives(scene: CheckedScene, names: Collection[str]) -> Iterator[str]:
+def _drives(scene: SceneTables, names: Collection[str]) -> Iterator[str]:
     """Names of connections that supply energy and turn one of these lines."""
     lines = [line for line in scene.hinge_lines if line.name in names]
     for one in scene.connections:
@@ -197,7 +197,7 @@ def supplies_energy(connection: Connection) -> bool:
     return SUPPLIED_ENERGY.name in observed_names(connection)
 
 
-def acts_across(scene: CheckedScene, line: HingeLine, bodies: Iterable[str]) -> bool:
+def acts_across(scene: SceneTables, line: HingeLine, bodies: Iterable[str]) -> bool:
     """Whether the line is on the way from one of the bodies to another."""
     carried = [line in scene.lines_inward(body) for body in bodies]
     return any(carried) and not all(carried)

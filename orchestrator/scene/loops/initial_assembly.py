@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Mapping, Sequence, Set
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +19,8 @@ from components.contract.frames import (
 )
 from components.flexible.modal import ModalData
 
-from ..bodies import StartPose, body_model, motions, moved, written_poses
-from ..schema import CheckedScene
-from .constraints import Constraint, Matrix, Vector, constraints, farthest
+from ..bodies import StartPose
+from .constraints import Constraint, Matrix, Vector
 
 _CLOSED = 1e-12
 _OPEN = 1e-9
@@ -32,8 +30,6 @@ RANK = 1e-10
 """Singular values against the largest below which constraints count as implied by others."""
 _LONGEST = 0.5
 """m, rad; no body moves by more in one round."""
-_STAGES = 16
-"""Positions on the way to where motions lead, so that loops stay on the side where they start."""
 
 
 class Weight(NamedTuple):
@@ -51,101 +47,47 @@ class Weight(NamedTuple):
 
 
 class Closed(NamedTuple):
-    """Poses with the loops closed as far as they go, what stays open by connection (m or rad), how far bodies moved.
+    """Poses with the loops closed as far as they go, what stays open (m or rad) by connection, turns (rad) by body."""
 
-    moved: the farthest, m. turned: angles (rad) by body.
-    """
-
-    poses: dict[str, StartPose]
+    poses: Mapping[str, StartPose]
     open_by: dict[str, float]
-    moved: float
     turned: dict[str, float]
 
 
-def start_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
-    """Poses of all bodies at the start."""
-    return closed(scene, points).poses
-
-
-def closed(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> Closed:
-    """Poses with all loops closed by the least displacements of placed bodies, weighted by mass and inertia."""
-    return _closed(scene, points, (0.0,))
-
-
-def extended(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> Closed:
-    """The same with all motions at once as far from the start as their laws lead during the scene."""
-    return _closed(scene, points, np.linspace(0.0, 1.0, _STAGES + 1).tolist())
-
-
-def _closed(
-    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], shares: Sequence[float]
+def closed(
+    start: Mapping[str, StartPose],
+    held: Sequence[Constraint],
+    weights: Mapping[str, Weight],
+    stages: Sequence[tuple[float, Mapping[str, StartPose]]],
 ) -> Closed:
-    """Closed with motions at these shares of their travel, one after the other."""
-    start = poses = written_poses(scene, points)
-    driven = motions(scene)
-    placed = [b for b in scene.bodies if b.place is not None and b.name in poses and b.name not in driven]
-    held = [c for c in constraints(scene, points, poses) if acts(c, {body.name for body in placed})]
+    """Poses with all loops closed by the least displacements of the weighted bodies.
+
+    stages: shares of the travel of motions, one after the other, and the bodies that these lead there.
+    """
     if not held:
-        return Closed(poses, {}, 0.0, {})
-    names = [body.name for body in placed]
-    weights = [Weight.of(body_model(body, flexible=False)) for body in placed]
-    for share in shares:
-        poses = poses | _carried(scene, start, share)
+        return Closed(start, {}, {})
+    poses = start
+    for share, led in stages:
         now = [c._replace(distance=c.distance + share * c.travel) for c in held]
-        poses = close(now, poses, names, weights)
+        poses = close(now, {**poses, **led}, weights)
     left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in now}
-    moved = max(float(np.abs(np.subtract(poses[n].position, start[n].position)).max()) for n in names)
-    turned = {n: norm(rotation_between(start[n].orientation, poses[n].orientation)) for n in names}
-    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved, turned)
-
-
-def left_open(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, float]:
-    """How far (m or rad) joints start open that nothing closes, as hinge lines carry both of their bodies."""
-    placed = {body.name for body in scene.bodies if body.place is not None}
-    held = [c for c in constraints(scene, points, written_poses(scene, points)) if not acts(c, placed)]
-    poses = start_poses(scene, points) if held else {}
-    return {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in held}
-
-
-def _carried(scene: CheckedScene, start: Mapping[str, StartPose], share: float) -> dict[str, StartPose]:
-    """Placed bodies that follow a motion, at a share of the farthest that their laws lead."""
-    return {
-        name: moved(start[name], motion, *(share * farthest(law, scene.header.until) for law in motion.laws))
-        for name, motion in motions(scene).items()
-        if name != scene.base.name
-    }
+    turned = {n: norm(rotation_between(start[n].orientation, poses[n].orientation)) for n in weights}
+    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, turned)
 
 
 def close(
-    held: Sequence[Constraint],
-    poses: Mapping[str, StartPose],
-    names: Sequence[str],
-    weights: Sequence[Weight],
-) -> dict[str, StartPose]:
-    """Poses where the constraints are fulfilled as far as they can be, by the least displacements of the named bodies.
-
-    weights: of these bodies, for their displacements.
-    """
-    return dict(_close(tuple(held), tuple(poses.items()), tuple(names), tuple(weights)))
-
-
-@lru_cache(maxsize=64)
-def _close(
-    held: tuple[Constraint, ...],
-    poses: tuple[tuple[str, StartPose], ...],
-    names: tuple[str, ...],
-    weights: tuple[Weight, ...],
+    held: Sequence[Constraint], poses: Mapping[str, StartPose], weights: Mapping[str, Weight]
 ) -> Mapping[str, StartPose]:
-    """What `close` finds: one scene is asked several times, by its check, for its parts and for what they do."""
-    found = dict(poses)
+    """Poses that fulfil the constraints as far as possible, by the least displacements of the weighted bodies."""
+    names = list(weights)
     for _ in range(_ROUNDS):
-        open_by, slopes = jacobian(held, found, names)
+        open_by, slopes = jacobian(held, poses, names)
         if np.abs(open_by).max() < _CLOSED:
             break
-        step = -least_displacements(slopes, open_by, [found[name] for name in names], weights)
+        step = -least_displacements(slopes, open_by, [poses[name] for name in names], list(weights.values()))
         longest = float(np.abs(step).max())
-        found = displaced(found, names, step * min(1.0, _LONGEST / max(longest, 1e-300)))
-    return found
+        poses = displaced(poses, names, step * min(1.0, _LONGEST / max(longest, 1e-300)))
+    return poses
 
 
 def open_loops(found: Closed) -> list[str]:
@@ -185,7 +127,7 @@ def displaced(poses: Mapping[str, StartPose], names: Sequence[str], step: Vector
     return result
 
 
-def acts(constraint: Constraint, placed: set[str]) -> bool:
+def acts(constraint: Constraint, placed: Set[str]) -> bool:
     """Whether a constraint holds one of these bodies."""
     return bool({constraint.inboard.body, constraint.outboard.body} & placed)
 

@@ -2,47 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from components.contract.frames import Vector3
-
-from ..bodies import StartPose, body_model, motions, written_poses
+from ..bodies import StartPose
 from ..body_tables import Motion
-from ..schema import CheckedScene
-from .constraints import Constraint, Vector, constraints
-from .initial_assembly import Weight, acts, jacobian, least_displacements
+from .constraints import Constraint, Vector
+from .initial_assembly import Weight, jacobian, least_displacements
 
 
 def start_rates(
-    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
+    base: str,
+    poses: Mapping[str, StartPose],
+    motions: Mapping[str, Motion],
+    held: Sequence[Constraint],
+    weights: Mapping[str, Weight],
 ) -> dict[str, Vector]:
     """Velocity of the origin and angular velocity (6,) of every body that moves at the start, world axes.
 
     Hinge lines start at rest, so what they carry moves with the base, and so do placed bodies, but for the least
-    change, weighted by mass and inertia, that joints and motions ask for.
+    change of the weighted ones that the constraints on them and motions require.
     """
-    led = motions(scene)
-    base = poses[scene.base.name]
     rates = dict.fromkeys(poses, np.zeros(6))
-    if scene.base.name in led:
-        whole = _led(led[scene.base.name], base)
-        rates = {name: _carried(whole, base, pose) for name, pose in poses.items()}
-    rates |= {name: _led(motion, poses[name]) for name, motion in led.items()}
-    free = [body for body in scene.bodies if body.place is not None and body.name not in led]
-    names = [body.name for body in free]
-    held = [c for c in constraints(scene, points, written_poses(scene, points)) if acts(c, set(names))]
+    if base in motions:
+        whole = _led(motions[base], poses[base])
+        rates = {name: _carried(whole, poses[base], pose) for name, pose in poses.items()}
+    rates |= {name: _led(motion, poses[name]) for name, motion in motions.items()}
     if held and (any(c.rate for c in held) or any(rate.any() for rate in rates.values())):
-        change = _change(
-            held, poses, rates, {body.name: Weight.of(body_model(body, flexible=False)) for body in free}
-        )
-        rates |= {name: rates[name] + part for name, part in zip(names, change.reshape(-1, 6), strict=True)}
+        change = _change(held, poses, rates, weights)
+        rates |= {name: rates[name] + part for name, part in zip(weights, change.reshape(-1, 6), strict=True)}
     return {name: rate for name, rate in rates.items() if rate.any()}
 
 
 def _change(
-    held: list[Constraint],
+    held: Sequence[Constraint],
     poses: Mapping[str, StartPose],
     rates: Mapping[str, Vector],
     weights: Mapping[str, Weight],

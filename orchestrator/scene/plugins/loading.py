@@ -10,7 +10,6 @@ from shlex import quote
 from components.contract.errors import FanfoldError
 from components.contract.plugins import PluginError, load_plugin
 
-from ..bodies import forget_models
 from .trust import is_absent, missing_programs, refused_data, refused_programs, trust_data
 
 GROUP = "fanfold.plugins"
@@ -20,10 +19,9 @@ GROUP = "fanfold.plugins"
 def load(file: str) -> None:
     """One file: components in Python (.py), or bodies of the catalogue (.toml); FanfoldError where it is neither."""
     if file.endswith(".toml"):
-        from components.catalogue.data_sheets import add_sheet  # takes its time, which others need not
+        from ..data_sheets import add_sheet  # takes its time, which others need not
 
-        if add_sheet(file):
-            forget_models()
+        add_sheet(file)
     elif file.endswith(".py"):
         load_plugin(file)
     else:

@@ -2,41 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator
 from inspect import getfile
 from pathlib import Path
 
 import numpy as np
 
 from components import REGISTRY, Component, ComponentError
-from components.contract.frames import Vector3
 from components.contract.plugins import line_in
 
-from ..bodies import StartPose
-from ..component_connections import seated
-from ..schema import CheckedScene
+from ..placed_scene import CheckedScene
 
 _STEP = 1e-3
 """Size of the step that is tried, s."""
 
 
-def plugin_problems(
-    scene: CheckedScene,
-    points: Mapping[str, Mapping[str, Vector3]],
-    poses: Mapping[str, StartPose],
-    refused: Collection[str] = (),
-) -> Iterator[str]:
-    """A sentence for each connection of a plugin whose component has an unknown unit or fails in a step at rest.
-
-    Those with other problems are `refused`.
-    """
+def plugin_problems(scene: CheckedScene) -> Iterator[str]:
+    """A sentence for each connection of a plugin whose component has an unknown unit or fails in a step at rest."""
     for connection in scene.connections:
         kind = REGISTRY.get(connection.kind)
-        if kind is None or not kind.comes_from_outside() or connection.name in refused:
+        if kind is None or not kind.comes_from_outside():
             continue
         place = Path(getfile(kind))
         try:
-            instance = seated(connection, points, poses)
+            instance = scene.seated(connection)
             _check_units(instance.component)
             instance.initialize()
             instance.step(_STEP)

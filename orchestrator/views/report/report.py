@@ -15,6 +15,7 @@ from ...results.key_figures import Headline, headline, headline_rows
 from ...results.parts import MESSAGES, json_of
 from ...results.point_loads import event_loads
 from ...results.result import Result
+from ...validity.travel import messages
 
 _FIDELITIES = {"flexible": "flexible bodies", "large_deformation": "bodies of large deformation"}
 _SCENE = ("scene", "scene_tree", SETTINGS, MESSAGES, *_FIDELITIES)
@@ -61,7 +62,7 @@ def _numbers(result: Result, found: Headline) -> Iterator[str]:
     yield heading("Headline numbers")
     columns = ("quantity", "of", "value", "unit", "estimated error")
     yield table(columns, headline_rows(found), numeric=(2, 4))
-    for sentence in dict.fromkeys((*result.stored_messages, *found.open_ends(), *found.warnings)):
+    for sentence in messages(result, found):
         yield paragraph(f"{'Note' if is_note(sentence) else 'Warning'}: {sentence}", "warning")
     if waits := [one.sentence(float(result.time[-1])) for one in quiet(result)]:
         yield heading("After the prescribed motion")

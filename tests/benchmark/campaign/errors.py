@@ -8,10 +8,9 @@ from typing import NamedTuple
 
 from orchestrator.results.energy_ledger import tolerance_asked
 from orchestrator.results.estimated_errors import (
-    EstimatedError,
+    MOST_TOLERANCES,
     Key,
-    beyond_ten_tolerances,
-    estimated_errors,
+    relative_errors,
     round_off_of_loads,
 )
 from orchestrator.results.key_figures import Headline
@@ -23,7 +22,7 @@ LARGEST, LOCK = "largest latch torque peak", "lock torque peak"
 LOADS = ("interface force peak", "interface torque peak", "stop torque peak")
 GROUPS = (LATCH_TIME, IMPULSE, LATCH_TORQUE, LARGEST, *LOADS)
 """What a run promises. Torques of locks between rigid bodies, which are the lock's own, are told beside them."""
-ESTIMATE_FACTOR = 5.0
+ESTIMATE_FACTOR = 2.0
 _RESOLVED = 0.1
 """Of the tolerance: errors below it are those of the reference as well, and count as this much."""
 
@@ -31,27 +30,24 @@ _RESOLVED = 0.1
 class Deviation(NamedTuple):
     """Error of a headline number over the scale of its group, and the error that the run itself estimated, if any.
 
-    estimate: the likely one over the same scale. most: what it may be at the most. value, reference: what both runs
-    say, in the number's unit, None of one that does not have it. told: whether the run says in a sentence that it does
-    not vouch for the number. settled: whether runs at the reference's tolerance and at three times it agree far better
-    than run and reference do.
+    estimate: over the same scale. value, reference: of both runs, in the number's unit, None if a run does not have it.
+    told: whether the run warns or notes that the error may exceed ten tolerances. settled: whether runs at the
+    reference's tolerance and at three times it agree far better than run and reference do.
     """
 
     group: str
     of: str
     error: float
     estimate: float | None
-    most: float | None
     value: float | None
     reference: float | None
     told: bool = False
     settled: bool = True
 
 
-def _estimates(found: Outcome) -> Mapping[Key, EstimatedError]:
+def _estimates(found: Outcome) -> Mapping[Key, float]:
     """Errors that a run estimated for its headline numbers; infinite ones for a run that says that it knows none."""
-    unknown = EstimatedError(inf, inf)
-    return estimated_errors(found.result) or {number.key: unknown for number in found.headline.numbers()}
+    return found.headline.estimated_errors or {number.key: inf for number in found.headline.numbers()}
 
 
 def deviations(found: Outcome, reference: Outcome) -> list[Deviation]:
@@ -74,10 +70,11 @@ def deviations(found: Outcome, reference: Outcome) -> list[Deviation]:
     ]
 
 
-def _doubtful(found: Outcome, estimates: Mapping[Key, EstimatedError]) -> Collection[Key]:
-    """Numbers that a run says it does not vouch for."""
+def _doubtful(found: Outcome, estimates: Mapping[Key, float]) -> Collection[Key]:
+    """Numbers whose estimated error exceeds ten tolerances."""
     numbers = [(number.key, number.value) for number in found.headline.numbers()]
-    return beyond_ten_tolerances(numbers, estimates, tolerance_asked(found.result) or inf)
+    most = MOST_TOLERANCES * (tolerance_asked(found.result) or inf)
+    return {key for key, error in relative_errors(numbers, estimates).items() if error > most}
 
 
 def _numbers(found: Headline) -> dict[Key, float]:
@@ -86,18 +83,16 @@ def _numbers(found: Headline) -> dict[Key, float]:
 
 
 def _deviation(
-    key: Key, ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, EstimatedError]
+    key: Key, ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
 ) -> Deviation:
     if key not in ours or key not in true:
-        return Deviation(*key, inf, None, None, ours.get(key), true.get(key))
+        return Deviation(*key, inf, None, ours.get(key), true.get(key))
     return _compared(key, ours[key], true[key], _scale(key, true), estimates.get(key))
 
 
-def _compared(
-    of: Key, value: float, reference: float, scale: float, estimate: EstimatedError | None
-) -> Deviation:
-    likely, most = (None, None) if estimate is None else (error / scale for error in estimate)
-    return Deviation(*of, abs(value - reference) / scale, likely, most, value, reference)
+def _compared(of: Key, value: float, reference: float, scale: float, estimate: float | None) -> Deviation:
+    relative = None if estimate is None else estimate / scale
+    return Deviation(*of, abs(value - reference) / scale, relative, value, reference)
 
 
 def _load(key: Key, numbers: Mapping[Key, float]) -> list[float]:
@@ -116,7 +111,7 @@ def _is_round_off(key: Key, true: Mapping[Key, float]) -> bool:
 
 
 def _largest(
-    ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, EstimatedError]
+    ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
 ) -> Iterator[Deviation]:
     """The largest latch torque of all lines but locks, which one sizes the structure by."""
     peaks = [
@@ -125,7 +120,7 @@ def _largest(
     if not any(peaks):
         return
     if not all(peaks):
-        yield Deviation(LARGEST, "", inf, None, None, None, None)
+        yield Deviation(LARGEST, "", inf, None, None, None)
         return
     high, reference = (max(numbers, key=lambda key: numbers[key]) for numbers in peaks)
     scale = true[reference]
@@ -153,9 +148,8 @@ def misses(found: Collection[Deviation], tolerance: float, factor: float) -> lis
     return [d for d in found if d.group in GROUPS and d.error > factor * tolerance]
 
 
-def is_well_estimated(deviation: Deviation, tolerance: float) -> bool | None:
-    """Whether estimate and error agree within a factor; None where there is nothing to compare."""
+def is_covered(deviation: Deviation, tolerance: float) -> bool | None:
+    """Whether the error is within a factor of the estimate; None where there is nothing to compare."""
     if deviation.estimate is None or max(deviation.estimate, deviation.error) < _RESOLVED * tolerance:
         return None
-    error, estimate = (max(x, _RESOLVED * tolerance) for x in (deviation.error, deviation.estimate))
-    return error <= ESTIMATE_FACTOR * estimate and estimate <= ESTIMATE_FACTOR * error
+    return deviation.error <= ESTIMATE_FACTOR * max(deviation.estimate, _RESOLVED * tolerance)

@@ -6,10 +6,10 @@ import csv
 
 import pytest
 
-from tests.benchmark.campaign.errors import Deviation, is_well_estimated
+from tests.benchmark.campaign.errors import Deviation, is_covered
 from tests.benchmark.campaign.trials import Trial, kept_in
 
-PEAK = Deviation("latch torque peak", "L0", 0.02, 0.01, 0.03, 102.0, 100.0)
+PEAK = Deviation("latch torque peak", "L0", 0.02, 0.01, 102.0, 100.0)
 
 
 def _trial(*found, failure=""):
@@ -30,14 +30,14 @@ def test_what_is_found_is_kept_before_the_next_wing(tmp_path):
 @pytest.mark.parametrize(
     ("error", "estimate", "verdict"),
     [
-        (0.02, 0.005, True),
-        (0.02, 0.003, False),
-        (0.003, 0.02, False),
-        (1e-7, 4e-4, True),
+        (0.02, 0.011, True),
+        (0.02, 0.009, False),
+        (0.003, 0.02, True),
+        (1.5e-4, 9e-5, True),
         (1e-7, 9e-5, None),
         (0.02, None, None),
     ],
 )
-def test_estimates_are_judged_by_a_factor(error, estimate, verdict):
-    """Rule: five either way; below a tenth of the tolerance, here 1e-3, errors are not told apart."""
-    assert is_well_estimated(PEAK._replace(error=error, estimate=estimate), 1e-3) is verdict
+def test_estimates_cover_errors_within_a_factor(error, estimate, verdict):
+    """Rule: a factor of two; below a tenth of the tolerance, here 1e-3, the reference errs as well."""
+    assert is_covered(PEAK._replace(error=error, estimate=estimate), 1e-3) is verdict

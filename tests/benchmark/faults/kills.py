@@ -38,7 +38,7 @@ _FIRST_ROW = "before its first communication point"
 _LONGEST = 600
 _RESUMED = 0.7
 """Probability that a resumed run is not killed again."""
-_SAME = ("estimated_errors", "steps", "iterations", "rejected_steps")
+_SAME = ("steps", "iterations", "rejected_steps")
 """Statistics that do not tell of times."""
 _FANFOLD = (sys.executable, "-c", "from orchestrator.cli.main import main; main()")
 

@@ -1,6 +1,6 @@
 """The FMUs of a scene under libcosim: exported for other tools (end-point wrenches), fixed-step algorithm.
 
-    python -m tests.benchmark.hosts.libcosim_wing [SCENE] [--until SECONDS] [--backend native|python] [--plot PLOT.png]
+    python -m tests.benchmark.hosts.libcosim_wing [SCENE] [--until SECONDS] [--backend native|python]
 
 Beside our master's runs of the same scene on the same kind of FMUs. With rigid bodies libcosim runs the whole
 deployment. With flexible ones that takes hours: there the largest step of 1, 2, 5 times a power of ten that
@@ -14,7 +14,7 @@ from argparse import ArgumentParser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
+from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Literal, NamedTuple, get_args
 
@@ -29,7 +29,6 @@ from orchestrator.run.preload import started_at_rest
 from orchestrator.run.run import as_fmus, export
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.component_connections import WrenchMode
-from tests.benchmark.error_plot import Point, error_texts, plot
 from tests.benchmark.models.one_panel import Trial, couple, crest, line_torque
 
 try:
@@ -196,6 +195,26 @@ def worst(kind: str, found: Sequence[Trial], reference: Sequence[Trial]) -> floa
     return float(np.max([abs(a / b - 1.0) if b > 0.0 else np.nan for a, b in pairs]))
 
 
+class Point(NamedTuple):
+    """One run of a series: relative errors, the largest of all lines, NaN without an answer; wall time (s).
+
+    estimated: a wall time that is known without a run.
+    """
+
+    series: str
+    setting: str
+    time_error: float
+    peak_error: float
+    wall: float
+    estimated: bool = False
+
+
+def error_texts(point: Point) -> list[str]:
+    """Both errors for a table."""
+    missing = "estimated" if point.estimated else "diverged"
+    return [missing if np.isnan(e) else f"{e:.1e}" for e in (point.time_error, point.peak_error)]
+
+
 def compare(scene: str, fidelity: Fidelity, until: float, backend: Backend) -> Iterator[Point]:
     """A scene with all bodies rigid or flexible: our master, then libcosim."""
     both = {"rigid": {"all"}, "flexible": ()} if fidelity == "rigid" else {"rigid": (), "flexible": {"all"}}
@@ -240,16 +259,11 @@ def main() -> None:
     parser.add_argument("scene", nargs="?", default="amos3")
     parser.add_argument("--until", type=float, default=12.0)
     parser.add_argument("--backend", choices=("native", "python"), default="native")
-    parser.add_argument("--plot", type=Path, default=Path(gettempdir()) / "libcosim_wing.png")
     chosen = parser.parse_args()
-    found: dict[str, list[Point]] = {}
     for fidelity in get_args(Fidelity):
         points = list(compare(chosen.scene, fidelity, chosen.until, chosen.backend))
         title = f"{chosen.scene}, all bodies {fidelity}, {chosen.until:g} s, {chosen.backend} FMUs"
         print_points(title, points)
-        found[f"{chosen.scene}, {fidelity}"] = points
-    plot(found, chosen.plot)
-    print(f"\n{chosen.plot}")
 
 
 if __name__ == "__main__":

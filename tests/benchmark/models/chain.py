@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from components import REGISTRY, catalogue, rotation_matrix
+from components import REGISTRY, rotation_matrix
 from components.contract.frames import exponential
 from components.flexible.modal import ModalData
 from fmus import Backend, build_fmu
@@ -23,6 +23,7 @@ from orchestrator.assembly import Link, Part
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.participant import Participant
 from tests.benchmark.models.one_panel import hinge_start
+from tests.references import catalogue
 
 INBOARD = {"left": "hl2_left", "right": "hl2_right"}
 OUTBOARD = {"left": "hl3_left", "right": "hl3_right"}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -34,11 +34,14 @@ STIFFNESS_UNITS = {"N": ("N/m",), "N.m": ("N.m/rad", "N/m")}
 SECTION_STIFFNESSES = {"N": ("axial", "shear_y", "shear_z"), "N.m": ("torsion", "bending_y", "bending_z")}
 
 
+@cache
+def _folder():
+    return tempfile.TemporaryDirectory(prefix="fanfold_fmus_")  # goes with the session
+
+
 def built(component, name, **options):
-    """The path of an FMU in a folder of its own beside the tests' cache; options are those of `build_fmu`."""
-    return build_fmu(
-        component, name, tempfile.mkdtemp(dir=Path(os.environ["FANFOLD_CACHE"]).parent), **options
-    )
+    """The path of an FMU in a folder of its own; options are those of `build_fmu`."""
+    return build_fmu(component, name, tempfile.mkdtemp(dir=_folder().name), **options)
 
 
 def unpacked(path):

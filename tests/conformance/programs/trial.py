@@ -23,7 +23,7 @@ from tests.conformance.programs.driver import DISCARD, ERROR, FATAL, KINDS, OK, 
 from tests.conformance.programs.findings import checks_of, finding
 
 NATIVE = len(sys.argv) > 1 and sys.argv[1] == "native"
-STEPS = 300 if NATIVE else 150
+STEPS = 120 if NATIVE else 60
 FAILED = ERROR if NATIVE else FATAL
 REFUSED = ERROR if NATIVE else DISCARD
 AGREEMENT = 1e-11
@@ -304,7 +304,7 @@ def check_stop_time(kind, path):
 
 def check_instances(kind, path):
     """PythonFMU drops a reference per instance: many instances, then a collection, must not crash."""
-    for _ in range(30):
+    for _ in range(10):
         fmu = Fmu(path)
         fmu.slave.freeInstance()
     gc.collect()
@@ -316,7 +316,7 @@ def run_together(paths):
     pairs = [pair(kind, path, f"{kind}{i}") for kind, path in paths.items() for i in range(2)]
     for fmu, reference in pairs:
         begin(fmu, reference, rng)
-    for _ in range(20):
+    for _ in range(6):
         for fmu, reference in pairs:
             advance(fmu, reference, rng)
         for fmu, reference in pairs:

@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import brentq
 
 import orchestrator as fanfold
-from components import catalogue
 from orchestrator.analysis.stress.stretching import stretching
+from tests.references import catalogue
 from tests.unit.components.clamped_membrane import AREAL_MASS, MODULUS, RATIO, SIDE, THICKNESS
 from tests.unit.components.flexible.clamped_plate import ClampedPlate
 

@@ -11,7 +11,6 @@ import orchestrator as fanfold
 from components.numerics.motion_law import MotionLaw
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import find_scene, load_scene
-from orchestrator.scene.bodies import scene_points
 from tests.references.dyad import Dyad
 
 pytestmark = pytest.mark.slow
@@ -227,7 +226,7 @@ def test_a_top_that_follows_the_law_itself():
 
 def gaps(scene, result):
     """Largest distance (m) of both ends of every joint over each tenth row, by joint."""
-    points, rows = scene_points(scene), slice(None, None, 10)
+    points, rows = scene.points, slice(None, None, 10)
     turns = {body.name: result[body.name, "frame_orientation"].values[rows] for body in scene.bodies}
     places = {body: result[body, "frame_position"].values[rows] for body in turns}
 

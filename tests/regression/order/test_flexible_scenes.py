@@ -16,8 +16,8 @@ import pytest
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import load_scene
-from tests.benchmark.order.panel import FINEST, SETTLED, WINDOW, Followed, follow, means, run
 from tests.references.native_fmus import needs_native
+from tests.regression.order.held_panel import FINEST, SETTLED, WINDOW, Followed, follow, means, run
 
 pytestmark = needs_native
 TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_flexible_panels.toml"

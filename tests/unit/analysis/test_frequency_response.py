@@ -9,7 +9,6 @@ from click.testing import CliRunner
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from components import catalogue
 from orchestrator.analysis.frequency_response import (
     base_response,
     frequency_grid,
@@ -22,6 +21,7 @@ from orchestrator.assembly.statics.configuration import configuration, placed
 from orchestrator.assembly.statics.linear_model import linearise, normal_modes
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, load_scene
+from tests.references import catalogue
 from tests.references.edits import edited
 
 RATIO = 0.03

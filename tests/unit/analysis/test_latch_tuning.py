@@ -10,12 +10,12 @@ from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
 import orchestrator as fanfold
-from components import catalogue
 from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.analysis.latch_tuning import augmented_rotation, find_line, pair, series, tune, without
 from orchestrator.assembly.fidelities import bending
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, find_scene, load_scene
+from tests.references import catalogue
 from tests.references.edits import edited
 
 PER_DEGREE = 180.0 / pi

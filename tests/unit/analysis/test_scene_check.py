@@ -12,6 +12,7 @@ from click.testing import CliRunner
 import orchestrator as fanfold
 from orchestrator.cli.main import main
 from orchestrator.cli.scene_tables import scene_tables
+from orchestrator.messages import code_of
 from orchestrator.views.scene_check import apart, draw_scene
 from tests.unit.scene.scene_cases import SCENES
 
@@ -253,3 +254,10 @@ def test_variants_that_are_not_chosen_are_checked():
     assert scene.check().friction.coefficient == 0.1
     (problem,) = fanfold.check_scene(scene).problems
     assert problem.startswith("amos3.toml: variant.odd.friction.coefficient: is -1")
+
+
+@pytest.mark.parametrize(("rigid", "codes"), [((), []), ("all", ["W-motion-reach"])])
+def test_motions_lead_flexible_bodies_farther_than_their_joints(rigid, codes):
+    """Rule: a motion that bends a membrane is meant; a rigid one cannot follow."""
+    found = fanfold.check_scene("membrane-isolated", rigid=rigid)
+    assert [code_of(one) for one in found.warnings] == codes

@@ -15,7 +15,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
-from components import catalogue
+from components.catalogue import BodyDefinition
 from components.contract.frames import skew
 from components.flexible.modal import ModalData
 from components.flexible.reduction import orthonormal_modes
@@ -29,6 +29,7 @@ from orchestrator.results.recorder import SignalGroup
 from orchestrator.results.result import Result
 from orchestrator.results.result_file import ResultWriter
 from orchestrator.scene import find_scene, load_scene
+from tests.references import catalogue
 
 ROOTS = ("hl2_left", "hl2_right")
 MODES = 4
@@ -52,7 +53,7 @@ def _own_cache(tmp_path_factory):
 def _same_finite_elements_once():
     """Finite elements and their modes are made once for all tests here."""
     modes = cache(lambda points, count: orthonormal_modes(_panel(), points, count))
-    built, build = {}, catalogue.BodyDefinition.finite_elements
+    built, build = {}, BodyDefinition.finite_elements
 
     def once(definition, masses=()):
         key = repr((definition, masses))
@@ -61,7 +62,7 @@ def _same_finite_elements_once():
         return built[key]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(catalogue.BodyDefinition, "finite_elements", once)
+        patch.setattr(BodyDefinition, "finite_elements", once)
         patch.setattr(_stress_model, "orthonormal_modes", lambda _, points, count: modes(points, count))
         yield
 
@@ -312,8 +313,8 @@ def test_what_is_wrong_is_told(result, tmp_path, accelerated, geometry, static):
         ((bare, "--body", "panel1"), "scene"),
         ((changed, "--body", "panel1"), "modes"),
         ((result, "--body", "panel1", "--nodes", "1,100000"), "mesh"),
-        ((result, "--body", "panel1", "--nodes", "one"), "node numbers"),
-        ((result, "--body", "panel1", "--within", 1, 0, 0, 1), "the smaller x comes before"),
+        ((result, "--body", "panel1", "--nodes", "one"), "'--nodes': 'one'"),
+        ((result, "--body", "panel1", "--within", 1, 0, 0, 1), "x0 <= x1"),
         ((result, "--body", "panel1", "--around", 9, 9, 0.1), "no node"),
         ((result, "--body", "panel1", "--radius", "nan"), "not a finite number"),
     ):

@@ -464,7 +464,7 @@ def test_scene_without_a_motor_is_told(tmp_path):
 
 def test_margins_are_shown_in_a_few_lines():
     """Screen: no arrays; the smallest margin of every rule, as in the records."""
-    found = torque_margin(margin_cases(Scene.load("amos3"), ("base",)))
+    found = torque_margin(margin_cases(Scene.load("amos3"), ("base",)), 2)
     for one in found.lines:
         assert len(repr(one)) < 80
         for row in one.as_dicts():

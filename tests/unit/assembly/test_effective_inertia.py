@@ -3,7 +3,6 @@
 import pytest
 
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.effective_inertia import effective_inertia
 from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.unit.scene.scene_cases import LATCH, TWO_PANELS, load_text, parts_of
 
@@ -20,7 +19,7 @@ def test_that_of_the_data_sheets(name, line):
     """Worked out by hand for the sheets, to the digits they have."""
     scene = load_scene(find_scene(name))
     (found,) = [one for one in scene.hinge_lines if one.name == line]
-    assert effective_inertia(scene, found) == pytest.approx(SHEET[name, line], rel=5e-4)
+    assert scene.effective_inertia(found) == pytest.approx(SHEET[name, line], rel=5e-4)
 
 
 def test_two_free_bodies(tmp_path):
@@ -33,7 +32,7 @@ def test_two_free_bodies(tmp_path):
         + text[text.index("[[hinge_line]]") : text.rindex("[[hinge_line]]")]
     )
     scene = load_text(tmp_path, text)
-    assert effective_inertia(scene, scene.hinge_lines[0]) == pytest.approx(40 * 1.8 / 41.8, rel=1e-12)
+    assert scene.effective_inertia(scene.hinge_lines[0]) == pytest.approx(40 * 1.8 / 41.8, rel=1e-12)
 
 
 def test_a_latch_without_one_is_damped_by_it(tmp_path):
@@ -41,7 +40,7 @@ def test_a_latch_without_one_is_damped_by_it(tmp_path):
     bare = LATCH.replace(", effective_inertia = 5", "")
     text = TWO_PANELS.replace("hinges = [", bare + "hinges = [", 1)
     scene = load_text(tmp_path, text)
-    inertia = effective_inertia(scene, scene.hinge_lines[0])
+    inertia = scene.effective_inertia(scene.hinge_lines[0])
     part = parts_of(assemble(scene))["root"]
     assert part.start["latch_damping"] == pytest.approx(2 * 0.02 * (2000 * inertia) ** 0.5)
 
@@ -51,4 +50,4 @@ def test_masses_too_unlike_to_tell_it_are_told(tmp_path):
     text = TWO_PANELS.replace("inertia = [0.8, 1.6, 2.4]", "inertia = [1e29, 1e29, 1e29]")
     scene = load_text(tmp_path, text)
     with pytest.raises(SceneError, match=r"middle_line.latch.effective_inertia: "):
-        effective_inertia(scene, scene.hinge_lines[1])
+        scene.effective_inertia(scene.hinge_lines[1])

@@ -7,7 +7,7 @@ from math import pi
 import click
 import pytest
 
-from orchestrator.cli.types import Count, Number, OutputFile, Picture, Seconds, Spacing, given_quantity
+from orchestrator.cli.types import Count, Number, OutputFile, Picture, Several, given_quantity
 
 
 @pytest.mark.parametrize(
@@ -49,15 +49,30 @@ def test_what_is_no_quantity_is_told(text, unit, sentence):
 
 @pytest.mark.parametrize(("text", "value"), [("8ms", 0.008), ("1.5 s", 1.5), ("0.02", 0.02), (3.0, 3.0)])
 def test_times_have_a_unit_or_are_seconds(text, value):
-    assert Seconds(min=1e-7).convert(text, None, None) == pytest.approx(value, rel=1e-15)
-    assert Spacing().convert(text, None, None) == pytest.approx(value, rel=1e-15)
-    assert Spacing().convert("all", None, None) is None
+    spacing = Number("s", ("all",), min=1e-7)
+    assert spacing.convert(text, None, None) == pytest.approx(value, rel=1e-15)
+    assert spacing.convert("all", None, None) == "all"
 
 
 @pytest.mark.parametrize("text", ["8mm", "ms", "-8ms", "nan s", "1e-9 s", ""])
 def test_what_is_no_time_is_refused(text):
     with pytest.raises(click.BadParameter):
-        Seconds(min=1e-7).convert(text, None, None)
+        Number("s", min=1e-7).convert(text, None, None)
+
+
+def test_several_numbers_stand_between_commas():
+    times = Several(Number("s"))
+    assert times.convert("0, 8ms,3", None, None) == (0.0, 0.008, 3.0)
+    assert times.convert((1.0, 2.0), None, None) == (1.0, 2.0)
+    with pytest.raises(click.BadParameter):
+        times.convert("1,,2", None, None)
+
+
+def test_a_stiffness_needs_its_unit():
+    kind = Number("N.m/rad", min=0.0, min_open=True)
+    assert kind.convert("1 N.m/deg", None, None) == pytest.approx(180.0 / pi)
+    with pytest.raises(click.BadParameter):
+        kind.convert("51.3", None, None)
 
 
 @pytest.mark.parametrize(

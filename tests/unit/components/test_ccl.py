@@ -2,32 +2,26 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from components.ccl import CableLoop
-from components.contract.component import ComponentError
 from orchestrator.assembly import Part
 from orchestrator.cosim.settings import Settings
 from tests.references.closed_forms import spring_driven_angle
 from tests.references.coupled import base, between, completed, rigid
-from tests.references.relative_motion import inputs, port_motion, resultant, work
+from tests.references.relative_motion import inputs, port_motion, work
+from tests.unit.components.prepared import made
 
 R1, R2, FREE, PRELOAD, STIFFNESS = 0.06, 0.03, 0.95, 40.0, 5000.0
 DISTANCE = np.hypot(FREE, R1 - R2)
 STRANDS = (56.101, 23.899)
 AXIS = (0.0, 1.0, 0.0)
-SMALL = st.floats(-0.02, 0.02)
-THREE = st.tuples(SMALL, SMALL, SMALL)
 
 
 def loop(mode="mean", guided=False, **change):
-    component = CableLoop(AXIS, guided, mode)
-    p = component.parameter_layout.start_values()
     start = {"radius_1": R1, "radius_2": R2, "preload": PRELOAD, "strand_stiffness": STIFFNESS, **change}
-    for name, value in start.items():
-        p[component.parameter_layout[name]] = value
-    return component, component.prepare(p)
+    return made(CableLoop, mode, {"axis": AXIS, "guided": guided}, **start)
 
 
 def motions(component, turn_1=0.0, turn_2=0.0, turn_link=0.0, shift=(0.0, 0.0, 0.0)):
@@ -107,7 +101,6 @@ def test_guided_cable_puts_its_torque_on_the_guide():
 
 @pytest.mark.parametrize("guided", [False, True])
 @given(turn=st.floats(-40.0, 40.0))
-@settings(max_examples=30)
 def test_tension_is_never_negative(guided, turn):
     """Law of a cable: a slack strand carries nothing, the other one at least the preload, after any turn."""
     component, c = loop("endpoint", guided)
@@ -123,30 +116,6 @@ def test_tension_is_never_negative(guided, turn):
     assert max(z["tension_a"], z["tension_b"]) == pytest.approx(
         PRELOAD + STIFFNESS * R1 * abs(turn), rel=1e-9
     )
-
-
-@pytest.mark.parametrize("guided", [False, True])
-@pytest.mark.parametrize("mode", ["mean", "endpoint"])
-@given(
-    first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), third=st.tuples(THREE, THREE), about=THREE
-)
-@settings(max_examples=30)
-def test_wrenches_sum_to_zero_about_any_point(guided, mode, first, second, third, about):
-    """Conservation law: no net force and no net moment, at mid-step (mean) or at its end (endpoint)."""
-    component, c = loop(mode, guided, strand_damping=3.0)
-    before = motions(component)
-    x = component.initial(c, before)
-    moved = [
-        port_motion(np.array(place) + p, 10 * np.array(t))
-        for place, (p, t) in zip(
-            ((0, 0, 0), (DISTANCE, 0, 0), (0.5, 0, 0)), (first, second, third), strict=True
-        )
-    ]
-    after = inputs(component, *moved[: len(component.ports)])
-    y = component.step(c, x, after, 0.01)
-    start = before if mode == "mean" else after
-    total = resultant(component.outputs(c, y, after), start, after, len(component.ports), about)
-    assert total == pytest.approx(np.zeros(6), abs=1e-11)
 
 
 @pytest.mark.parametrize("order", [2.0, 4.0])
@@ -169,28 +138,6 @@ def test_damping_never_pushes(mode, order):
     z = observed(component, c, x, nearer)
     assert (z["tension_a"], z["tension_b"]) == (0.0, 0.0)
     assert z["dissipated_energy"] > 0.0
-
-
-@pytest.mark.parametrize("guided", [False, True])
-@given(turns=st.tuples(*[st.floats(-0.3, 0.3)] * 3), damping=st.sampled_from((0.0, 5.0)))
-@settings(max_examples=30)
-def test_work_of_the_mean_wrench_is_the_change_of_energy(guided, turns, damping):
-    """Discrete gradient: work + change of elastic energy + heat = 0 for pulleys that turn in place; exact."""
-    component, c = loop("mean", guided, strand_damping=damping)
-    u0 = motions(component, 0.01, -0.02)
-    x0 = component.initial(c, motions(component))
-    x0 = component.step(c, x0, u0, 1.0)
-    u1 = motions(component, *turns)
-    x1 = component.step(c, x0, u1, 0.1)
-    before, after = observed(component, c, x0, u0), observed(component, c, x1, u1)
-    stored = after["potential_energy"] - before["potential_energy"]
-    heat = after["dissipated_energy"] - before["dissipated_energy"]
-    assert heat >= 0.0
-    scale = before["potential_energy"] + after["potential_energy"] + heat
-    ports = len(component.ports)
-    assert work(component.outputs(c, x1, u1), u0, u1, ports) + stored + heat == pytest.approx(
-        0.0, abs=1e-13 * scale
-    )
 
 
 @pytest.mark.parametrize("guided", [False, True])
@@ -266,13 +213,6 @@ def test_hold_adjusts_the_strands_to_their_preload():
     assert component.outputs(c, y, u)[:12].reshape(2, 6)[1, :3] == pytest.approx(
         (-2 * PRELOAD * FREE / DISTANCE, 0, 0), abs=1e-11
     )
-
-
-def test_pulleys_too_close_are_refused():
-    """Geometry of an open belt: the distance must exceed the difference of radii."""
-    component, c = loop(radius_1=2.0)
-    with pytest.raises(ComponentError, match="radii"):
-        component.initial(c, motions(component))
 
 
 def synchronised(radius_1, radius_2, strand, guided, until=1.5):

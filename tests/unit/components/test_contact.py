@@ -10,13 +10,13 @@ from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from components import ComponentError
 from components.contact import Contact, mean_power, mean_rise
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, resultant, work, wrenches
+from tests.unit.components.prepared import made
 
 MASS, SPEED, STIFFNESS = 10.0, 0.5, 1e6
 HERTZ = {"reference_force": STIFFNESS * 1e-3**1.5, "reference_penetration": 1e-3, "exponent": 1.5}
@@ -158,11 +158,7 @@ REFERENCE = {name: HERTZ[name] for name in ("reference_force", "reference_penetr
 
 
 def contact(mode="mean", normal=(0.0, 0.0, 1.0), **values):
-    component = Contact(normal, mode)
-    p = component.parameter_layout.start_values()
-    for name, value in values.items():
-        p[component.parameter_layout[name]] = value
-    return component, component.prepare(p)
+    return made(Contact, mode, {"normal": normal}, **values)
 
 
 def collision(h, end_time=0.2):
@@ -196,18 +192,6 @@ def test_a_turning_plane_keeps_momenta_and_energy():
         rests.append(np.abs(run.scene("energy_residual")).max())
     assert rests[0] < 1e-5 * run.signal("paddle", "kinetic_energy")[0]
     assert rests[1] < 0.5 * rests[0]
-
-
-@given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE)
-def test_wrenches_sum_to_zero_about_any_point(first, second, about):
-    """Conservation law: no net force and moment of the mean wrenches."""
-    component, c = contact(normal=(0.2, -0.5, 0.7), gap=0.3, damping=20.0)
-    before = inputs(component, port_motion(), port_motion((0.1, 0.2, 0.3)))
-    after = inputs(component, port_motion(*first), port_motion(*second))
-    y = component.outputs(c, component.step(c, component.initial(c, before), after, 0.1), after)
-    assert resultant(y, before, after, 2, about) == pytest.approx(
-        np.zeros(6), abs=1e-14 * (1.0 + np.abs(y).max())
-    )
 
 
 @given(
@@ -301,26 +285,3 @@ def test_end_point_force_of_a_turning_plane():
     direction = Rotation.from_rotvec(turn).apply(np.array((0.2, 0.3, 1.0)) / np.sqrt(1.13))
     assert y[6:9] == pytest.approx(seen[1] * direction, rel=1e-12)
     assert y[9:] == pytest.approx(np.zeros(3))
-
-
-@pytest.mark.parametrize(
-    ("normal", "sentence"),
-    [
-        ((0.0, 0.0, 0.0), "no length"),
-        ((0.0, 1.0), "three components"),
-        ((np.inf, 0.0, 1.0), "finite components"),
-        ((np.nan, 0.0, 1.0), "finite components"),
-    ],
-)
-def test_normals_that_are_none(normal, sentence):
-    with pytest.raises(ComponentError, match=sentence):
-        Contact(normal)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("exponent", 0.9), ("reference_penetration", 0.0), ("damping", -1.0), ("end_weight", 0.4)],
-)
-def test_parameters_out_of_range(name, value):
-    with pytest.raises(ComponentError, match=f"{name} = .* at least"):
-        contact(**{name: value})

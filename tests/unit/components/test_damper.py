@@ -11,11 +11,10 @@ from components.damper import EddyCurrentDamper
 from orchestrator.assembly import Part
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
-from tests.references.relative_motion import inputs, port_motion, resultant, work
+from tests.references.relative_motion import inputs, port_motion, work
+from tests.unit.components.prepared import made
 
 INERTIA, COEFFICIENT, TORQUE = 115.3, 28.76, 1.6
-SMALL = st.floats(-0.5, 0.5)
-THREE = st.tuples(SMALL, SMALL, SMALL)
 
 
 def rotor(h, until, torque=TORQUE, peak_rate=0.0, rate=0.0):
@@ -74,10 +73,7 @@ def test_slowing_down_beyond_the_peak_rate():
 
 
 def damper(mode="mean", peak_rate=0.0):
-    component = EddyCurrentDamper(wrench_mode=mode)
-    p = component.parameter_layout.start_values()
-    p[:2] = COEFFICIENT, peak_rate
-    return component, component.prepare(p)
+    return made(EddyCurrentDamper, mode, damping_coefficient=COEFFICIENT, peak_rate=peak_rate)
 
 
 def test_peak_rate_law():
@@ -109,17 +105,6 @@ def test_mean_torque_points_along_the_mean_of_the_axis():
     torque = component.outputs(c, y, after)[:12].reshape(2, 6)[:, 3:]
     assert torque[1] == pytest.approx(-COEFFICIENT * 3.0 * axis, rel=1e-12)
     assert torque[0] == pytest.approx(-torque[1])
-
-
-@given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE)
-def test_wrenches_sum_to_zero_about_any_point(first, second, about):
-    """Conservation law: no net force and moment of the mean wrenches."""
-    component, c = damper()
-    before = inputs(component, port_motion(), port_motion((0.1, 0.2, 0.3)))
-    after = inputs(component, port_motion(*first), port_motion(*second))
-    y = component.step(c, component.initial(c, before), after, 0.1)
-    total = resultant(component.outputs(c, y, after), before, after, 2, about)
-    assert total == pytest.approx(np.zeros(6), abs=1e-12)
 
 
 @given(start=st.floats(-3, 3), change=st.floats(-3, 3), peak=st.sampled_from((0.0, 0.4)))

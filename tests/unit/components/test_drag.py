@@ -4,23 +4,20 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import fixed_quad
 from scipy.spatial.transform import Rotation
 
-from components import REGISTRY, ComponentError
 from components.drag import PlateDrag, mean_squares
-from fmus import build_fmu, native_library
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.native_solver import NativeSolver
-from orchestrator.cosim.native.library import library
-from orchestrator.cosim.network import Network
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import base, between, completed, mastered, rigid
+from tests.references.coupled import HAS_NATIVE, base, between, completed, rigid
+from tests.references.native_fmus import needs_native
 from tests.references.relative_motion import inputs, port_motion, work, wrenches
+from tests.unit.components.prepared import made
 
 DENSITY, COEFFICIENT = 1.204, 1.28
 WIDTH, INNER, OUTER = 1.16, 0.055, 1.555
@@ -80,7 +77,7 @@ def test_plate_about_its_hinge(place):
     assert seen == pytest.approx(-TORQUE, rel=2 * share)
 
 
-def falling(h, until, **start):
+def falling(h, until, native=HAS_NATIVE, **start):
     """A plate that floats freely, its drag at a port in its middle."""
     length, width = 2.0, 1.5
     parts = [
@@ -88,7 +85,8 @@ def falling(h, until, **start):
         Part("drag", "drag", {}, plate(-0.5 * length, 0.5 * length, width)),
     ]
     links = [Link(("plate", "middle"), ("drag", "body"))]
-    return completed(until, parts, links, settings=at_steps(h), iteration=TIGHT), length, width
+    run = completed(until, parts, links, settings=at_steps(h), iteration=TIGHT, native=native)
+    return run, length, width
 
 
 def test_falling_plate():
@@ -140,15 +138,10 @@ def test_tumbling_plate_closes_its_energy_balance():
 
 
 def drag(mode="mean", start=-0.4, end=1.1, width=0.7):
-    component = PlateDrag(mode)
-    p = component.parameter_layout.start_values()
-    for name, value in plate(start, end, width).items():
-        p[component.parameter_layout[name]] = value
-    return component, component.prepare(p)
+    return made(PlateDrag, mode, **plate(start, end, width))
 
 
 @given(turn=THREE, velocity=THREE, spin=THREE)
-@settings(max_examples=30)
 def test_strips_one_by_one(turn, velocity, spin):
     """Independent formulation: forces and moments of 4000 strips; the midpoint rule errs by a few 1e-8 of them."""
     component, c = drag("endpoint")
@@ -175,7 +168,6 @@ def test_strips_one_by_one(turn, velocity, spin):
     flipped=st.booleans(),
     h=st.sampled_from((1e-3, 1.0)),
 )
-@settings(max_examples=30)
 def test_heat_is_the_work_taken(first, second, flipped, h):
     """Passivity: the heat is the work of the wrench and never negative but for round-off, at any step size.
 
@@ -217,41 +209,12 @@ def test_means_of_squares(first, last):
     assert mean_squares(first, last) == pytest.approx(exact, rel=1e-12, abs=1e-13)
 
 
-def test_a_plate_of_no_length_is_refused():
-    with pytest.raises(ComponentError, match=r"0.5 m.*0.5 m"):
-        drag(start=0.5, end=0.5)
-
-
-@pytest.mark.parametrize("name", ["width", "air_density", "drag_coefficient"])
-def test_parameters_out_of_range(name):
-    component = PlateDrag()
-    p = component.parameter_layout.start_values()
-    p[component.parameter_layout[name]] = -1.0
-    with pytest.raises(ComponentError, match=f"{name} = -1.*at least 0"):
-        component.prepare(p)
-
-
-@pytest.mark.skipif(library() is None or native_library() is None, reason="no C compiler was there")
-def test_native_fmus_with_one_port_are_coupled(tmp_path):
+@needs_native
+def test_native_fmus_with_one_port_are_coupled():
     """The native solver follows the same path as components in process, to the tolerance of the iteration."""
     motion = {"initial_angular_velocity": (0.5, 1.0, -0.3), "initial_velocity": (0.2, 0.1, 1.0)}
-    expected, length, width = falling(0.02, 0.5, **motion)
-    body = rigid("plate", 10.0, (2.0, 3.0, 5.0), {"middle": (0, 0, 0)}, **motion)
-    parts = [body, Part("drag", "drag", {}, plate(-0.5 * length, 0.5 * length, width))]
-    participants = [
-        FmuParticipant(
-            p.name, build_fmu(REGISTRY[p.kind](**p.structure), p.name, tmp_path, p.start, backend="native")
-        )
-        for p in parts
-    ]
-    network = Network(participants, [Link(("plate", "middle"), ("drag", "body"))])
-    found = mastered(network, at_steps(0.02))
-    found.master.solver.tolerance = TIGHT
-    found.master.initialize(preload=False)
-    found.master.run(0.5)
+    found, expected = (falling(0.02, 0.5, native, **motion)[0] for native in (True, False))
     assert isinstance(found.master.solver, NativeSolver)
     assert found.times == expected.times
     for name in ("drag_force", "drag_torque", "normal_velocity", "dissipated_energy"):
         assert found.signal("drag", name) == pytest.approx(expected.signal("drag", name), rel=1e-9, abs=1e-9)
-    for participant in participants:
-        participant.close()

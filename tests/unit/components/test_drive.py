@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from components.contract.component import ComponentError
 from components.drive import Drive, Following, MotionLaw
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
@@ -14,12 +13,10 @@ from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import Run, base, between, completed, mastered, rigid
-from tests.references.native_fmus import native_errors, needs_native
-from tests.references.relative_motion import inputs, port_motion, resultant, work
+from tests.references.relative_motion import inputs, port_motion
+from tests.unit.components.prepared import made
 
 INERTIA = 12.0
-SMALL = st.floats(-0.5, 0.5)
-THREE = st.tuples(SMALL, SMALL, SMALL)
 PEAK_RATE = {"step": 1.5, "step5": 1.875}
 
 
@@ -182,24 +179,9 @@ def test_the_clock_starts_with_the_scene():
     assert (found[0][0], found[0][-1]) == (0.0, pytest.approx(1.0, abs=1e-12))
 
 
-@needs_native
-@pytest.mark.parametrize("profile", PEAK_RATE)
-def test_a_native_fmu_moves_as_in_process(profile):
-    """Independent path: the native twin through the whole motion, and its derivatives against differences of steps.
-
-    Observations agree to 1e-9 of the iteration's tolerance; differences of 1e-7 rad err by their rounding.
-    """
-    moved = scene(profile, start_angle=0.1, end_angle=0.9, start_time=0.1, duration=0.5, damping=3.0)
-    assert max(native_errors("drive", 0.8, *moved, 0.02)) < 1e-8
-
-
 def drive(mode="mean", profile="step5", **start):
-    component = Drive(profile=profile, wrench_mode=mode)
-    p = component.parameter_layout.start_values()
     values = {"stiffness": 300.0, "damping": 8.0, "end_angle": 1.2, "duration": 0.4, **start}
-    for name, value in values.items():
-        p[component.parameter_layout[name]] = value
-    return component, component.prepare(p)
+    return made(Drive, mode, {"profile": profile}, **values)
 
 
 def observed(component, c, x, u):
@@ -210,13 +192,6 @@ def observed(component, c, x, u):
 def turned(component, angle, rate=0.0, **commands):
     motion = port_motion(turn=(0, angle, 0), spin=(0, rate, 0))
     return inputs(component, port_motion(), motion, **commands)
-
-
-@needs_native
-def test_a_native_fmu_follows_a_command_as_in_process():
-    """Independent path: the native twin, and its derivatives against differences of steps, as above."""
-    moved = scene("commanded", start_angle=0.1, end_angle=0.9, duration=0.2, damping=3.0)
-    assert max(native_errors("drive", 0.8, *moved, 0.02)) < 1e-8
 
 
 @given(h=st.floats(1e-7, 50.0))
@@ -263,40 +238,6 @@ def test_a_soft_gearbox_that_follows_a_command():
     assert found(tolerance=1e-4, order=4) == pytest.approx(exact, rel=2e-6)
 
 
-@given(start=st.floats(-3, 3), change=st.floats(-3, 3), h=st.sampled_from((1e-3, 0.1, 0.5)))
-@settings(max_examples=30)
-def test_the_motor_works_for_everything(start, change, h):
-    """Conservation law of one step: work on the bodies, elastic energy and heat are the motor's work."""
-    component, c = drive()
-    u0, u1 = turned(component, start), turned(component, start + change)
-    x = component.initial(c, u0)
-    y = component.step(c, x, u1, h)
-    before, after = observed(component, c, x, u0), observed(component, c, y, u1)
-    stored = after["potential_energy"] - before["potential_energy"]
-    given_off = work(component.outputs(c, y, u1), u0, u1, 2) + stored + after["dissipated_energy"]
-    given_off += after["numerical_dissipation"]
-    size = (
-        1.0
-        + after["dissipated_energy"]
-        + abs(after["numerical_dissipation"])
-        + after["potential_energy"]
-        + before["potential_energy"]
-    )
-    assert given_off == pytest.approx(after["supplied_energy"], abs=1e-11 * size)
-
-
-@given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE)
-@settings(max_examples=30)
-def test_wrenches_sum_to_zero_about_any_point(first, second, about):
-    """Conservation law: no net force and moment of the mean wrenches."""
-    component, c = drive()
-    before = inputs(component, port_motion(), port_motion((0.1, 0.2, 0.3)))
-    after = inputs(component, port_motion(*first), port_motion(*second))
-    y = component.step(c, component.initial(c, before), after, 0.1)
-    total = resultant(component.outputs(c, y, after), before, after, 2, about)
-    assert total == pytest.approx(np.zeros(6), abs=1e-11)
-
-
 def test_hold_stops_clock_and_motor():
     """Definition: while hold is 1 neither the commanded angle nor the motor's work change, nor is there a rate."""
     component, c = drive()
@@ -341,13 +282,3 @@ def test_end_point_torque():
     assert z["drive_torque"] == pytest.approx(torque)
     assert component.outputs(c, x, u).reshape(2, 6)[:, 4] == pytest.approx((-torque, torque))
     assert component.rates(c, x, u) == pytest.approx((1.0, 8.0, torque * 3.0, 0.0))
-
-
-def test_what_is_refused():
-    """A profile that does not exist, an axis without length, a motion without duration: a sentence each."""
-    with pytest.raises(ComponentError, match=r"step, step5.*commanded"):
-        Drive(profile="step3")
-    with pytest.raises(ComponentError, match="drive's axis"):
-        Drive(axis=(0, 0, 0))
-    with pytest.raises(ComponentError, match="duration = 0 s"):
-        drive(duration=0.0)

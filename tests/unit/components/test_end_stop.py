@@ -6,13 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from components.contract.component import ComponentError
 from components.end_stop import EndStop
-from fmus import native_library
 from orchestrator.assembly import Event, Part
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, slope_work, work
+from tests.unit.components.prepared import made
 
 INERTIA, STIFFNESS, RATE, STOP = 2.0, 800.0, 0.5, 0.3
 WIDE = st.floats(-0.4, 0.4)
@@ -41,8 +40,7 @@ def thrown(until, settings, damping=0.0, events=()):
         ),
     ]  # fmt: skip
     links = [*between("hinge", "base.hinge", "rotor.hinge"), *between("stop", "base.stop", "rotor.stop")]
-    native = native_library() is not None
-    return completed(until, parts, links, settings=settings, events=events, native=native)
+    return completed(until, parts, links, settings=settings, events=events)
 
 
 def test_a_rotor_is_thrown_back():
@@ -80,11 +78,7 @@ def test_a_damped_stop_brakes():
 
 
 def stop(mode="mean", **values):
-    component = EndStop(wrench_mode=mode)
-    p = component.parameter_layout.start_values()
-    for name, value in {"stop_angle": 0.1, **values}.items():
-        p[component.parameter_layout[name]] = value
-    return component, component.prepare(p)
+    return made(EndStop, mode, **{"stop_angle": 0.1, **values})
 
 
 @given(
@@ -136,9 +130,3 @@ def test_it_never_opens_and_knows_more_than_one_turn():
     assert torque(5.1, 0.0) == pytest.approx(1.0, rel=1e-12)
     assert torque(5.1, 0.02) == pytest.approx(3.0, rel=1e-12)
     assert torque(5.1, -0.02) == 0.0
-
-
-@pytest.mark.parametrize(("name", "value"), [("stiffness", 0.0), ("damping", -1.0)])
-def test_parameters_out_of_range(name, value):
-    with pytest.raises(ComponentError, match=f"{name} = .* at least"):
-        stop(**{name: value})

@@ -6,15 +6,11 @@ Motions at the stiff end of a body take thousands of steps, and run as native FM
 import numpy as np
 import pytest
 
-from components.contract.component import ComponentError
-from components.load import Load
 from components.numerics.motion_law import MotionLaw
-from components.point_motion import PointMotion
 from orchestrator.assembly import Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
-from tests.references.native_fmus import HAS_NATIVE
 
 MASS, INERTIA = 12.0, (0.5, 0.8, 1.1)
 NOWHERE = (0.0, 0.0, 0.0)
@@ -47,7 +43,7 @@ def moved(law, until, h=None, order=4, stiffness=5e7, damping=5e3):
     ]
     links = between("motion", "base.point", "body.point")
     settings = Settings(fixed_step=h, order=order, largest_step=0.05, tolerance=1e-5)
-    return completed(until, parts, links, settings=settings, iteration=TIGHT, native=HAS_NATIVE)
+    return completed(until, parts, links, settings=settings, iteration=TIGHT)
 
 
 @pytest.mark.parametrize("order", [2, 4])
@@ -134,17 +130,3 @@ def test_a_torque_spins_a_body_up():
     assert run.signal("load", "supplied_energy") == pytest.approx(
         run.signal("body", "kinetic_energy"), abs=1e-12
     )
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: Load(frame="inertial"), "world.*body"),
-        (lambda: Load(direction=(0, 0, 0)), "length"),
-        (PointMotion, "list"),
-        (lambda: PointMotion(axis=(1, 0)), "has 2 numbers"),
-    ],
-)
-def test_what_cannot_be_is_told(make, words):
-    with pytest.raises(ComponentError, match=words):
-        make()

@@ -5,13 +5,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from components.contract.component import ComponentError
 from components.contract.ports import MOTION_SIZE
 from components.moving_base import MovingBase
 from orchestrator.assembly import Part
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import between, completed, rigid
-from tests.references.native_fmus import HAS_NATIVE
 
 ARM, MASS, INERTIA = 0.4, 3.0, 0.2
 
@@ -34,7 +32,7 @@ def mounted(stiffness, turning, until, h, arm, body=None, joint=None, **structur
         Part("joint", "hinge", {"axis": (0, 1, 0)}, joint),
     ]
     links = between("joint", "base.point", "body.point")
-    return completed(until, parts, links, settings=Settings(fixed_step=h, order=4), native=HAS_NATIVE)
+    return completed(until, parts, links, settings=Settings(fixed_step=h, order=4))
 
 
 def closes(run, tolerance):
@@ -137,11 +135,3 @@ def test_ports_follow_the_laws():
         speeds = np.gradient(np.array([place(name, time) for time in times]), times, axis=0)
         moment = y[base.output_layout[f"{name}.velocity_moment"]]
         assert moment == pytest.approx(np.trapezoid(p1[:, None] * speeds, times, axis=0), abs=1e-9)
-
-
-def test_what_is_refused():
-    """Bad input: axes without a length and laws that are none, a sentence each."""
-    with pytest.raises(ComponentError, match="rotation_axis"):
-        MovingBase([], rotation_axis=(0, 0, 0))
-    with pytest.raises(ComponentError, match="list"):
-        MovingBase([], translation=3)

@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from components.contract.component import ComponentError
 from components.rail import Rail
 from orchestrator.assembly import Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import between, completed, rigid
-from tests.references.native_fmus import HAS_NATIVE, native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, work
+from tests.unit.components.prepared import made
 
 MASS, FRICTION, TRANSITION = 0.6, 0.3, 0.01
 TIGHT = Tolerance(1e-10, 1e-6, 1e-6)
@@ -107,16 +106,17 @@ def test_an_undamped_rail_keeps_the_amplitude_of_its_ringing():
     """
     parts, links = scene(start={"gravity": (0.0, 0.0, -9.81)}, normal_damping=0.0)
     period, weight = 2.0 * np.pi * np.sqrt(MASS / STIFF["normal_stiffness"]), MASS * 9.81
-    run = completed(100 * period, parts, links, settings=Settings(tolerance=1e-2, order=4), native=HAS_NATIVE)
+    run = completed(100 * period, parts, links, settings=Settings(tolerance=1e-2, order=4))
     assert run.signal("rail", "normal_force").min() > -1e-2 * weight
     assert run.signal("rail", "normal_force").max() < 2.01 * weight
     assert np.mean(run.signal("rail", "normal_force")) == pytest.approx(weight, rel=1e-2)
 
 
 @pytest.mark.parametrize("h", [0.05, 5e-3])
-@pytest.mark.parametrize("friction", [0.0, FRICTION])
+@pytest.mark.parametrize(
+    ("friction", "breakaway"), [(0.0, 0.0), (FRICTION, 0.0), (FRICTION, 1e-4), (FRICTION, 1e-2)]
+)
 @pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize("breakaway", [0.0, 1e-4, 1e-2])
 def test_energy_balance_at_any_step_size(h, friction, order, breakaway):
     """Conservation law: a thrown, turning trolley leaves the iteration's tolerance; friction never gives back."""
     start = {"initial_velocity": (0.5, -0.3, 0.2), "initial_angular_velocity": (0.3, 0.0, 0.5)}
@@ -175,36 +175,8 @@ def test_carries_a_suspended_body():
     assert np.all((settled > 0.98 * tension - 0.1) & (settled < tension + 0.1))
 
 
-@needs_native
-@pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize("transition", [1e-3, 0.3, 0.9])
-def test_a_native_fmu_moves_as_in_process(transition, order):
-    """Independent path: the native twin, below and beyond the transition, and its derivatives against differences.
-
-    The guidance is so soft that friction shows beside it. Observations agree to 1e-9 of the iteration's tolerance;
-    differences of 1e-7 m err by friction's curvature, as that over the slide of a step, which is 3 mm here.
-    """
-    start = {"initial_velocity": (0.3, -0.4, 0.1), "initial_angular_velocity": (0.1, 0.3, -0.2)}
-    soft = {
-        "normal_stiffness": 100.0,
-        "normal_damping": 1.0,
-        "rotational_stiffness": 1.0,
-        "rotational_damping": 0.01,
-    }
-    pushed = scene(
-        (1.0, 2.0, 3.0), start=start, friction_force=3.0, **{**soft, "stiction_velocity": transition}
-    )
-    different, derivative = native_errors("rail", 0.03, *pushed, 0.01, order)
-    assert different < 1e-8
-    assert derivative < 1e-4
-
-
 def rail(mode="mean", normal=(0.0, 1.0, 0.0), **change):
-    component = Rail(normal, mode)
-    p = component.parameter_layout.start_values()
-    for name, value in {**STIFF, "friction_force": FRICTION, **change}.items():
-        p[component.parameter_layout[name]] = value
-    return component, component.prepare(p)
+    return made(Rail, mode, {"normal": normal}, **{**STIFF, "friction_force": FRICTION, **change})
 
 
 @given(
@@ -213,7 +185,6 @@ def rail(mode="mean", normal=(0.0, 1.0, 0.0), **change):
     about=st.sampled_from(((1, 0, 0), (0, 1, 0), (0.6, 0, 0.8))),
     h=st.sampled_from((1e-3, 0.1)),
 )
-@settings(max_examples=30)
 def test_work_is_energy(move, turn, about, h):
     """Conservation law of one step from the start: elastic energy and heat are the work that the trolley gives."""
     component, c = rail()
@@ -258,8 +229,3 @@ def test_an_impulse_leaves_no_memory():
     moved = inputs(component, port_motion((0, 1e-3, 0), velocity=(0, 0.1, 0)))
     z = component.step(c, y, moved, 0.01)
     assert component.outputs(c, z, moved)[1] == pytest.approx(-0.5 * 1e3 * 1e-3, rel=1e-9)
-
-
-def test_a_normal_without_length_is_refused():
-    with pytest.raises(ComponentError, match=r"normal .*length"):
-        Rail((0, 0, 0))

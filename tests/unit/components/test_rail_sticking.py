@@ -9,10 +9,9 @@ from components.numerics.fourth_order_correction import workless_spring
 from components.numerics.presliding import step_force
 from components.numerics.stiff_coordinate import Memory, StepMotion
 from components.rail import Rail
-from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, with_moments
 from tests.unit.components.prepared import prepared
-from tests.unit.components.test_rail import FRICTION, MASS, scene, slid
+from tests.unit.components.test_rail import FRICTION, MASS, slid
 
 SIGNED = st.floats(-1.0, 1.0)
 TWO = st.tuples(SIGNED, SIGNED)
@@ -227,20 +226,3 @@ def test_of_an_end_point_it_follows_the_trolley_in_any_parts(parts):
     assert trolley.component.outputs(trolley.c, x, trolley.inputs())[:2] == pytest.approx(
         (-0.9, -1.2), rel=1e-12
     )
-
-
-@needs_native
-@pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize("breakaway", [1e-2, 0.3])
-def test_a_native_fmu_moves_as_in_process(breakaway, order):
-    """Independent path: the native twin, sliding and sticking, and its derivatives against differences."""
-    start = {"initial_velocity": (0.3, -0.4, 0.1), "gravity": (0.4, 0.2, 0.0)}
-    soft = {
-        "normal_stiffness": 100.0, "normal_damping": 1.0, "rotational_stiffness": 1.0, "rotational_damping": 0.01,
-        "friction_force": 1.0, "breakaway_deflection": breakaway, "stiction_velocity": 0.3,
-    }  # fmt: skip
-    different, derivative = native_errors(
-        "rail", 0.3, *scene((1.0, 2.0, 3.0), start=start, **soft), 0.01, order
-    )
-    assert different < 1e-8
-    assert derivative < 1e-4

@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from components.contract.component import ComponentError
 from components.suspension import Suspension
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
-from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work
+from tests.unit.components.prepared import made
 
 MASS, GRAVITY, STIFFNESS, LENGTH = 8.0, 9.81, 51.0, 1.2
 WEIGHT = MASS * GRAVITY
@@ -110,29 +109,12 @@ def test_energy_balance_at_any_step_size(h, damping):
     assert np.all(np.diff(run.signal("spring", "dissipated_energy")) >= 0.0)
 
 
-@needs_native
-def test_a_native_fmu_moves_as_in_process():
-    """Independent path: the native twin, slack and taut, and its derivatives against differences of steps.
-
-    Observations agree to 1e-9 of the iteration's tolerance; differences err by 1e-7 m over the length of about 1 m.
-    """
-    thrown = scene((0.1, 0.0, 0.4), (0.6, 0.3, 0.0), stiffness=400.0, damping=5.0)
-    different, derivative = native_errors("spring", 0.6, *thrown, 0.01)
-    assert different < 1e-8
-    assert derivative < 1e-7
-
-
 def suspension(mode="mean", **change):
-    component = Suspension(mode)
-    p = component.parameter_layout.start_values()
     values = {"stiffness": 50.0, "preload": 10.0, "preload_length": 1.0, "damping": 4.0, **change}
-    for name, value in values.items():
-        p[component.parameter_layout[name]] = value
-    return component, component.prepare(p)
+    return made(Suspension, mode, **values)
 
 
 @given(first=POINT, second=POINT, turns=st.tuples(POINT, POINT), about=POINT)
-@settings(max_examples=30)
 def test_action_is_reaction_and_work_is_energy(first, second, turns, about):
     """Conservation laws of one step, for any motion of both ports: force, moment, and work against energy."""
     component, c = suspension()
@@ -195,12 +177,3 @@ def test_an_impulse_makes_no_tension_of_its_own():
     after = at(1.03, 0.2, impulse=1.0)
     y = component.step(c, x, after, 1e-7)
     assert component.observe(c, y, after)[1] == pytest.approx(10 + 50 * 0.03 + 4 * 0.2)
-
-
-def test_what_is_refused():
-    """Ports at one point, and a stiffness of zero: a sentence each."""
-    component, c = suspension()
-    with pytest.raises(ComponentError, match="one point"):
-        component.initial(c, inputs(component, port_motion(), port_motion()))
-    with pytest.raises(ComponentError, match="stiffness = 0 N/m"):
-        suspension(stiffness=0.0)

@@ -481,12 +481,13 @@ def test_corrections_that_take_each_other_back_are_halved(monkeypatch):
     150 and 11 without. Where friction lets go within an iteration depends on the last bit, so iterations are not
     compared.
     """
-    halved = run(sticking(), None, Settings(), END).costs
+    scene = sticking()
+    halved = run(scene, None, Settings(), END).costs
     with monkeypatch.context() as patch:
         patch.setattr(native_solver._LIMITS, "halvings", 0)
-        whole = run(sticking(), None, Settings(), END).costs
+        whole = run(scene, None, Settings(), END).costs
     assert halved.rejected < 0.5 * whole.rejected
     in_python(monkeypatch)
-    python = run(sticking(), None, Settings(), END).costs
+    python = run(scene, None, Settings(), END).costs
     assert python.steps == pytest.approx(halved.steps, rel=0.05)
     assert 0 < python.rejected < 0.5 * whole.rejected

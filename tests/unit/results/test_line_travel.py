@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import HingeLine
-from orchestrator.results.line_travel import beyond_tables, folded_back, is_released, overruns
+from orchestrator.messages import code_of
+from orchestrator.results.line_travel import is_released, overruns
+from orchestrator.validity.travel import _of_angle
 
 TIME = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0])
 
@@ -40,31 +42,29 @@ def test_a_line_is_released_with_the_last_of_its_hinges(events, gone):
     assert is_released(*result([0.0] * 6, events)) == gone
 
 
-def test_what_a_released_line_does_is_nobodys_fault():
-    """Rule: bodies that fly apart neither fold back nor pass their deployed angle."""
+def folded_back(angle, events=(), **line):
+    """Sentences of a line that went behind its start angle."""
+    return [one for one in _of_angle(*result(angle, events, **line)) if code_of(one) == "W-folded-back"]
+
+
+def test_a_released_line_neither_folds_back_nor_passes_its_end():
+    """Rule: bodies that fly apart are not looked at; until its release a line is, like any other."""
     away = [0.0, 5.0, 10.0, 10.0, -90.0, 200.0]
     both = ["left released, right released"]
-    assert folded_back(result(away, [])[0])["L"].value == pytest.approx(np.radians(90.0))
-    assert folded_back(result(away, both)[0]) == {}
+    assert " 90.0 deg " in folded_back(away)[0]
+    assert folded_back(away, both) == []
     beyond = {"latches": False, "more": {"deployed_angle": np.pi / 2}}
     assert overruns(result(away, [], **beyond)[0])["L"].largest == pytest.approx(np.radians(200.0))
     assert overruns(result(away, both, **beyond)[0]) == {}
-
-
-def test_what_it_did_before_is_told():
-    """Rule: until its release a line is looked at like any other."""
-    back = [0.0, -30.0, 10.0, 10.0, -90.0, 200.0]
-    assert folded_back(result(back, ["left released, right released"])[0])["L"].value == pytest.approx(
-        np.radians(30.0)
-    )
+    assert " 30.0 deg " in folded_back([0.0, -30.0, 10.0, 10.0, -90.0, 200.0], both)[0]
 
 
 def test_a_line_with_an_end_stop_may_fold_back_as_well():
     """Regression: it met the back of its stop, as a load of its own, without a word; a line that swings freely may."""
-    back, _ = result([0.0, -30.0, 10.0, 10.0, -90.0, 20.0], [], latches=False)
-    assert folded_back(back)["L"].value == pytest.approx(np.radians(90.0))
+    back, line = result([0.0, -30.0, 10.0, 10.0, -90.0, 20.0], [], latches=False)
+    assert len(list(_of_angle(back, line))) == 1
     back.has = lambda component, variable: component == "left"
-    assert folded_back(back) == {}
+    assert list(_of_angle(back, line)) == []
 
 
 def test_what_leaves_the_tables_of_its_motor_is_told():
@@ -74,7 +74,8 @@ def test_what_leaves_the_tables_of_its_motor_is_told():
     """
     back = [0.0, -10.0, -30.0, -30.0, -20.0, 95.0]
     known = {"known": (0.0, np.pi / 2)}
-    found = beyond_tables(result(back, [], more=known)[0])["L"]
-    assert (found.time, found.value) == (2.0, pytest.approx(np.radians(-30.0)))
-    assert beyond_tables(result([0.0, 5.0, -5.0, -5.0, 60.0, 95.0], [], more=known)[0]) == {}
-    assert beyond_tables(result(back, [])[0]) == {}
+    *_, sentence = _of_angle(*result(back, [], more=known))
+    assert code_of(sentence) == "W-table-range"
+    assert " -30 deg at 2 s" in sentence
+    assert list(_of_angle(*result([0.0, 5.0, -4.0, -4.0, 60.0, 95.0], [], more=known))) == []
+    assert [code_of(one) for one in _of_angle(*result(back, []))] == ["W-folded-back"]

@@ -103,6 +103,11 @@ def test_markup_in_names_is_shown(tmp_path):
             lines[0]["name"], lines[1]["name"] = "[/bold]", "$\\frac{$"
             del file["hinge_lines"]
             file["hinge_lines"] = json.dumps(lines)
+            texts = [
+                text.replace("hl1", "[/bold]").replace("hl2", "$\\frac{$")
+                for text in file["events/event"].asstr()
+            ]
+            file["events/event"][:] = texts
     run = answer("compare", path, other, "--output", tmp_path / "out")
     assert run.exit_code == 0
     assert "[/bold]" in run.output

@@ -11,9 +11,8 @@ import orchestrator as fanfold
 from components import REGISTRY, Instance
 from fmus import native_library
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.statics.start import in_equilibrium
+from orchestrator.assembly.statics.start import started_at_rest
 from orchestrator.cosim.settings import Settings
-from orchestrator.run.preload import started_at_rest
 from orchestrator.run.run import run
 from orchestrator.scene import find_scene, load_scene
 
@@ -28,7 +27,7 @@ def assemblies(request):
     """
     scene = load_scene(find_scene("amos3"), (), ("friction.coefficient=0",))
     mean, tools = (assemble(scene, {request.param} - {""}, (), mode) for mode in ("mean", "endpoint"))
-    return mean, started_at_rest(mean, mean), started_at_rest(tools, mean)
+    return mean, started_at_rest(mean), started_at_rest(tools)
 
 
 def test_no_search_is_left_to_do(assemblies):
@@ -116,8 +115,8 @@ def test_what_counts_from_the_start_counts_from_where_it_was_built():
     bolt = {"translational_stiffness": [k] * 3, "preload": preload}
     scene.connection("bolt", "hold_down", ports=ports, parameters=bolt)
     assembly = assemble(scene.check(), (), ())
-    resting = started_at_rest(assembly, assembly)
-    for one in (assembly, resting, in_equilibrium(assembly)):
+    resting = started_at_rest(assembly)
+    for one in (assembly, resting):
         force = run(one, None, Settings(1e-6, 1e-3), 1e-3).result.signal("bolt", "force")
         assert force[:, 2] == pytest.approx(np.full(len(force), -preload * s / (s + k)), rel=1e-6)
     assert not resting.preload
@@ -127,7 +126,7 @@ def test_rails_carry_what_they_carry_in_the_equilibrium():
     """The ground rig's trolleys rest on their rails from the start, as a run that searches has them."""
     scene = load_scene(find_scene("amos3-ground"))
     searching = assemble(scene, (), ())
-    resting = started_at_rest(searching, searching)
+    resting = started_at_rest(searching)
     before, after = (run(a, None, Settings(1e-4, a.largest_step), 1e-5).result for a in (searching, resting))
     for rail in ("rail1", "rail2", "yoke_rail"):
         expected = before.signal(rail, "normal_force")[0]

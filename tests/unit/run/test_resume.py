@@ -52,7 +52,8 @@ def assert_same_bits(one, other):
     for component in a.components:
         for variable in a.variables(component):
             np.testing.assert_array_equal(a.signal(component, variable), b.signal(component, variable))
-    for name in ("estimated_errors", "steps", "iterations", "rejected_steps"):
+    assert a.estimated_errors == b.estimated_errors
+    for name in ("steps", "iterations", "rejected_steps"):
         assert a.statistics.get(name) == b.statistics.get(name)
 
 
@@ -94,13 +95,12 @@ def hung(side, pinned):
     return scene
 
 
-@pytest.mark.parametrize(("pinned", "settled"), [(False, True), (True, False)])
-def test_runs_that_start_in_equilibrium_resume(tmp_path, interruptions, pinned, settled):
+@pytest.mark.parametrize("pinned", [False, True])
+def test_runs_that_start_in_equilibrium_resume(tmp_path, interruptions, pinned):
     """Regression: bodies were built where they are written, joints were held, and "fmu.ball ... are not the same"."""
     whole = tmp_path / "whole.h5"
     fanfold.simulate(hung(5.0, pinned), checkpoint=0.05, save=whole, estimate=False)
     cut = interruptions[0]
-    assert Checkpoint.read(cut).settled == settled
     fanfold.resume(cut)
     assert_same_bits(whole, cut)
 

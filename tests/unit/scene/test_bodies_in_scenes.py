@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 import orchestrator as fanfold
-from components import catalogue
 from components.contract.frames import rotate
 from orchestrator.scene import SceneError
-from orchestrator.scene.bodies import body_definition, body_model, scene_points
-from orchestrator.scene.body_tables import Body
-from orchestrator.scene.loops.initial_assembly import start_poses
+from orchestrator.scene.bodies import body_definition, body_model
+from tests.references import catalogue
 
 PANEL = {
     "length": "1.1 m",
@@ -78,7 +76,7 @@ def test_units_are_those_of_scenes():
         "arm": {"y": 0.25},
     }
     plain["sandwich"] = {"skin": 0.2e-3, "core": 0.02, "youngs_modulus": 70e9, "poisson_ratio": 0.3}
-    other = body_definition(Body(name="other", panel=plain)).panel.plate
+    other = catalogue.built({"panel": plain}).panel.plate
     np.testing.assert_allclose([plate.bending, plate.membrane], [other.bending, other.membrane], rtol=1e-12)
     assert (plate.length, plate.areal_mass) == (other.length, other.areal_mass)
     assert plate.width == pytest.approx(other.width, rel=1e-15)
@@ -87,12 +85,11 @@ def test_units_are_those_of_scenes():
 def test_catalogue_with_changes():
     """Bookkeeping: a change to an entry of the catalogue leaves the rest of it, and the entry, as they are."""
     entry = catalogue.entry("amos3_panel1")
-    changed = body_definition(Body(name="b", catalogue="amos3_panel1", panel={"width": "1.3 m"}))
+    changed = catalogue.built({"catalogue": "amos3_panel1", "panel": {"width": "1.3 m"}})
     assert changed.panel.plate.width == 1.3
     assert changed.panel.plate.bending == entry.panel.plate.bending
     assert changed.twin == entry.twin
     assert catalogue.entry("amos3_panel1").panel.plate.width == 1.16
-    assert body_definition(Body(name="b", catalogue="amos3_panel1")) is entry
 
 
 def test_runs_in_all_fidelities_and_has_stresses(tmp_path):
@@ -176,7 +173,7 @@ def test_no_table_ends_in_a_traceback(seed):
         else:
             inner[key] = value
     with suppress(fanfold.FanfoldError):
-        assert body_definition(Body(name="b", panel=table)).points
+        assert catalogue.built({"panel": table}).points
 
 
 def test_a_circle_is_not_followed_by_what_its_bodies_lack():
@@ -225,7 +222,7 @@ def test_hinge_lines_off_the_mid_plane_give_a_stowed_stack_its_thickness():
         )
     for angle, apart in ((0.0, 0.03), (np.pi, 0.0)):
         found = scene.with_settings({"hinge_line.HL2.start_angle": f"{np.degrees(angle)} deg"}).check()
-        poses = start_poses(found, scene_points(found))
+        poses = found.poses
         one, other = (poses[name] for name in bodies)
         normal = rotate(one.orientation, (0.0, 0.0, 1.0))
         assert abs(np.dot(np.subtract(other.position, one.position), normal)) == pytest.approx(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from orchestrator.scene import find_scene, load_scene
-from orchestrator.scene.loops.coupled_lines import coupled_lines
 from tests.references.edits import edited
 from tests.unit.scene.scene_cases import CCL, TWO_PANELS, load_text
 
@@ -25,19 +24,19 @@ def scene(name, *variants, settings=()):
 
 def test_wings_that_come_with_fanfold():
     """Data sheets: HL2 and HL3 at twice the rate of HL1; ARABSAT's outermost at that of HL1, led by the SADM."""
-    (amos3,) = coupled_lines(scene("amos3"))
+    (amos3,) = scene("amos3").coupled_lines
     assert amos3 == ({"HL1": 1.0, "HL2": 2.0, "HL3": 2.0}, ("yoke_loop", "panel_loop"), ())
-    (arabsat,) = coupled_lines(scene("arabsat", "phase2"))
+    (arabsat,) = scene("arabsat", "phase2").coupled_lines
     assert arabsat.rates == {"HL1": 1.0, "HL2": 2.0, "HL3": 2.0, "HL4": 2.0, "HL5": 2.0, "HL6": 1.0}
     assert arabsat.drives == ("sadm",)
-    assert coupled_lines(scene("arabsat", "phase1")) == ()
-    assert coupled_lines(scene("bepicolombo")) == ()
+    assert scene("arabsat", "phase1").coupled_lines == ()
+    assert scene("bepicolombo").coupled_lines == ()
 
 
 @pytest.mark.parametrize("held", ["HL1", "HL2", "HL3"])
 def test_a_loop_at_a_held_line_holds_the_others(held):
     """Closed form: 60 mm w1 = 30 mm w2 and w2 = w3, of which one is 0."""
-    assert coupled_lines(scene("amos3", settings=[f"hinge_line.{held}.held=true"])) == ()
+    assert scene("amos3", settings=[f"hinge_line.{held}.held=true"]).coupled_lines == ()
 
 
 GEARED = edited(CCL, ('radius = "30 mm" }\npulley_2', 'radius = "60 mm" }\npulley_2'))
@@ -63,5 +62,5 @@ TO_INNER = edited(CCL, ('body = "outer", point = "left"', 'body = "inner", point
 )
 def test_rates_follow_from_radii_and_axes(tmp_path, text, rates):
     """Closed form: r1 times the rate of the first line is r2 times that of the second; about +y twice, one closes."""
-    found = coupled_lines(load_text(tmp_path, text))
+    found = load_text(tmp_path, text).coupled_lines
     assert [tuple(group.rates.values()) for group in found] == rates

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 import orchestrator as fanfold
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
-from orchestrator.scene.loops.freedoms import find_constraints
+from orchestrator.scene.freedoms import find_constraints
 from tests.unit.scene.test_loops import FOUR_BAR, scene_of
 
 HEIGHTS = {"generic": 0.5, "folded": 0.0, "straight": 1.0}

@@ -1,5 +1,6 @@
 """Loops closed before the start, arrays, orientations, joint presets; what cannot be is told."""
 
+import pickle
 import tomllib
 from math import cos, pi, radians, sin, sqrt
 
@@ -8,9 +9,7 @@ import pytest
 
 from components.contract.frames import rotate
 from orchestrator.assembly.assemble import assemble
-from orchestrator.scene import SceneError
-from orchestrator.scene.bodies import scene_points
-from orchestrator.scene.loops.initial_assembly import closed, start_poses
+from orchestrator.scene import SceneError, find_scene, load_scene
 from orchestrator.scene.reader import read_scene
 from orchestrator.scene.table import Orientation
 from tests.references.edits import edited
@@ -100,7 +99,7 @@ structure.law = [{ profile = "constant", value = 0.01 }]
 def test_what_a_motion_raises_by_its_centre_of_mass_stays_level():
     """By hand: both rise by 10 mm, though one has its origin at its edge."""
     scene = scene_of(RAISED)
-    poses = start_poses(scene, scene_points(scene))
+    poses = scene.poses
     for name, x in (("lower", 0.0), ("upper", -0.5)):
         assert poses[name].position == pytest.approx((x, 0.0, 0.01), abs=1e-12)
         assert poses[name].orientation == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-12)
@@ -109,7 +108,7 @@ def test_what_a_motion_raises_by_its_centre_of_mass_stays_level():
 def test_a_four_bar_written_roughly_is_closed():
     """Freudenstein's closed form: the coupler's ends meet crank and rocker, links keep their lengths and plane."""
     scene = scene_of(FOUR_BAR)
-    poses = start_poses(scene, scene_points(scene))
+    poses = scene.poses
     for one, x, other, y in (
         ("crank", 1, "coupler", 0),
         ("coupler", 1.8, "rocker", 1.5),
@@ -127,8 +126,11 @@ def test_a_four_bar_written_roughly_is_closed():
 def test_closing_changes_little_where_little_is_open():
     """The least displacement is below what is open times the condition of a four-bar far from its dead points."""
     scene = scene_of(FOUR_BAR)
-    found = closed(scene, scene_points(scene))
-    assert 0.0 < found.moved < 0.4
+    found = scene.closed
+    moves = [
+        np.subtract(found.poses[name].position, pose.position) for name, pose in scene.written_poses.items()
+    ]
+    assert 0.0 < np.abs(moves).max() < 0.4
     assert found.open_by == {}
 
 
@@ -186,7 +188,7 @@ ports = { upper = { body = "spoke_{i}", point = "tip" }, lower = { body = "spoke
 
 def test_an_array_goes_around():
     scene = scene_of(RING)
-    poses = start_poses(scene, scene_points(scene))
+    poses = scene.poses
     for i in range(3):
         angle = 2 * pi * i / 3
         assert tip(poses, f"spoke_{i + 1}", 0.5) == pytest.approx((cos(angle), sin(angle), 0.0), abs=1e-12)
@@ -240,3 +242,14 @@ def test_a_joints_own_stiffness_is_damped_in_proportion(damping, time):
     assert joint.start["rotational_damping"] == pytest.approx([time * k for k in stiffness])
     linear = np.array(joint.start["translational_stiffness"])
     assert np.allclose(joint.start["translational_damping"], time * linear)
+
+
+def test_where_bodies_start_belongs_to_one_scene():
+    """Definition: computed once, anew for other angles, and not part of what is sent to another process."""
+    scene = scene_of(FOUR_BAR)
+    assert scene.closed is scene.closed
+    assert pickle.loads(pickle.dumps(scene)).poses == scene.poses
+    lines = load_scene(find_scene("amos3"))
+    turned = lines.with_angles({"HL1": 1.0})
+    assert turned.poses["yoke"] != lines.poses["yoke"]
+    assert turned.deployed.poses == lines.deployed.poses

@@ -11,6 +11,7 @@ from components import REGISTRY
 from components.contract.plugins import PluginError, load_plugin
 from fmus import check_fmu
 from orchestrator.cli.main import main
+from orchestrator.scene import data_sheets
 from orchestrator.scene.bodies import body_model
 from orchestrator.scene.plugins import loading
 from orchestrator.views import plots
@@ -229,8 +230,6 @@ def test_a_missing_file_is_told(tmp_path):
 
 def test_bodies_from_outside(tmp_path, monkeypatch):
     """A file of bodies: used by its name, and built anew where it has changed."""
-    from components.catalogue import data_sheets
-
     monkeypatch.setattr(data_sheets, "_added", {})
     sheet, wing = tmp_path / "mine.toml", tmp_path / "wing.toml"
     wing.write_text(

@@ -69,7 +69,7 @@ def test_friction_that_gives_way_like_rubber_is_told():
         scene = Scene.load(
             "workbench", settings={f"hinge_line.HL.{key}": value for key, value in keys.items()}
         )
-        told = coded(scene_warnings(scene.check()), "W-end-data", "presliding.stiffness", "0.005 N.m")
+        told = coded(scene_warnings(scene.check()), "W-end-data", "presliding.stiffness")
         assert len(told) == count
 
 
@@ -91,25 +91,7 @@ def test_a_latch_in_a_closed_loop_needs_its_inertia():
 def test_a_coefficient_in_per_cent_is_told():
     """Bad input: 12 for 12 %."""
     (told,) = scene_warnings(load_scene(find_scene("workbench"), (), ["friction.coefficient=12"]))
-    assert coded([told], "W-friction-data", "friction.coefficient:", "'12 %'")
-
-
-def test_a_rail_that_rings_under_a_weight_is_told():
-    """Of scenes that do not say whether they start in equilibrium, and where nothing damps the rail."""
-    tree = Scene.load("amos3-ground").tree
-    header = {key: value for key, value in tree["scene"].items() if key != "preload"}
-    rails = sum(one["kind"] == "rail" for one in tree["connection"])
-    for damping, given, count in ((0.0, {}, rails), (50.0, {}, 0), (0.0, {"preload": True}, 0)):
-        connections = [
-            {**one, "parameters": {**one["parameters"], "normal_damping": damping}}
-            if one["kind"] == "rail"
-            else one
-            for one in tree["connection"]
-        ]
-        scene = {**tree, "scene": {**header, **given}, "connection": connections}
-        told = scene_warnings(Scene.of_tree("rig.toml", scene).check())
-        assert len(coded(told, "W-start-blow", "normal_damping")) == count
-    assert rails
+    assert coded([told], "W-friction-data", "friction.coefficient: 12 ")
 
 
 def test_lines_that_nothing_keeps_are_told(tmp_path):
@@ -288,12 +270,12 @@ arm = { y = "0.5 m", length = "30 mm", patch = "60 mm" }
     ("areal_mass", "core", "modulus", "words"),
     [
         ("3 kg/m2", "20 mm", '"70 GPa"', []),
-        ("3 kg/m2", "0.5 m", '"70 GPa"', ["plate theory"]),
-        ("3000 kg/m2", "20 mm", '"70 GPa"', ["denser"]),
-        ("1e-6 kg/m2", "20 mm", '"70 GPa"', ["lighter"]),
-        ("3 kg/m2", "20 mm", "70", [" 0.00091 Hz"]),
+        ("3 kg/m2", "0.5 m", '"70 GPa"', ["0.788"]),
+        ("3000 kg/m2", "20 mm", '"70 GPa"', ["W-panel-data"]),
+        ("1e-6 kg/m2", "20 mm", '"70 GPa"', ["W-panel-data"]),
+        ("3 kg/m2", "20 mm", "70", [" 0.000911 Hz"]),
         ("3 kg/m2", "20 mm", '"70 MPa"', [" 101 m/s"]),
-        ("3 kg/m2", "20 mm", '"7e13 Pa"', ["diamond"]),
+        ("3 kg/m2", "20 mm", '"7e13 Pa"', [" 1.01e+05 m/s"]),
     ],
 )
 def test_panels_of_impossible_thickness_or_mass_are_told(tmp_path, areal_mass, core, modulus, words):
@@ -345,7 +327,7 @@ def test_a_cosine_begins_at_rest():
     ("free", "sentence"),
     [
         ({"mass": 900, "inertia": [500e6, 600e6, 450e6]}, "816 m"),
-        ({"mass": "900 g", "inertia": [500, 600, 450]}, " 25.8 m"),
+        ({"mass": "900 g", "inertia": [500, 600, 450]}, "25.8 m"),
         (
             {"mass": 900, "center_of_mass": [-800, 0, 0], "inertia": [500, 600, 450]},
             "base.free: ",
@@ -376,11 +358,11 @@ def test_a_stop_before_the_latch_is_told():
 @pytest.mark.parametrize(
     ("settings", "sentence"),
     [
-        ({"hinge_line.HL.latch.damping_ratio": 20.0}, "damping_ratio: 20 is 20 times"),
+        ({"hinge_line.HL.latch.damping_ratio": 20.0}, "damping_ratio: 20 "),
         ({"hinge_line.HL.latch.damping_ratio": 2.0}, ""),
         (
             {"hinge_line.HL.end_stop": {"angle": "185 deg", "stiffness": 1e-6}},
-            "more than 30 deg",
+            "above 30 deg",
         ),
         ({"hinge_line.HL.end_stop": {"angle": "185 deg", "stiffness": 1e4}}, ""),
     ],

@@ -36,7 +36,7 @@ static int read_sizes(Beam *beam, const Data *data, const Sizes *sizes, Reason *
     beam->ports = ports;
     beam->states = states_of(beam->nodes);
     const size_t observations = OBSERVATIONS + 3 * beam->nodes + 6 * lengths;
-    const Sizes own = {PARAMETERS, WRENCH_SIZE * ports, MOTION_SIZE * ports, observations};
+    const Sizes own = {PARAMETERS + 6 * beam->nodes, WRENCH_SIZE * ports, MOTION_SIZE * ports, observations};
     return check_sizes(KIND, sizes, &own, why);
 }
 
@@ -93,6 +93,8 @@ static int allocate_work(Beam *beam, Memory *memory, Reason *why) {
     beam->weights = allocate(memory, beam->nodes * sizeof(double));
     beam->pivots = allocate(memory, beam->nodes * sizeof(double));
     beam->ratios = allocate(memory, beam->nodes * sizeof(double));
+    beam->start_displacements = allocate(memory, vectors);
+    beam->start_rotations = allocate(memory, vectors);
     beam->travel = allocate(memory, vectors);
     beam->turn = allocate(memory, vectors);
     beam->spins = allocate(memory, vectors);
@@ -103,7 +105,7 @@ static int allocate_work(Beam *beam, Memory *memory, Reason *why) {
     beam->residual = allocate(memory, motions);
     beam->next = allocate(memory, beam->states * sizeof(double));
     beam->inputs = allocate(memory, (WRENCH_SIZE * beam->ports + 1) * sizeof(double));
-    if (!beam->weights || !beam->pivots || !beam->ratios || !beam->travel || !beam->turn || !beam->spins ||
+    if (!beam->weights || !beam->pivots || !beam->ratios || !beam->travel || !beam->turn || !beam->spins || !beam->start_displacements || !beam->start_rotations ||
         !beam->quaternions || !beam->stresses || !beam->changes || !beam->loads || !beam->residual || !beam->next || !beam->inputs ||
         !allocate_shape(&beam->start, beam->nodes, memory) || !allocate_shape(&beam->end, beam->nodes, memory) ||
         !allocate_factors(&beam->predicted, beam->nodes, memory) ||

@@ -357,28 +357,28 @@ FANFOLD_INLINED void add_material(const double *b, const double *g, const double
         }
 }
 
-/* Adds `factor` of k (9, 9) to the blocks of the element's nodes: a span is the second place less the first. */
-static inline void add_to_blocks(const double *k, double factor, double *aa, double *ab, double *ba, double *bb) {
+/* Adds k (9, 9) to the blocks of the element's nodes: a span is the second place less the first. */
+static inline void add_to_blocks(const double *k, double *aa, double *ab, double *ba, double *bb) {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             const int x = COORDINATES * i + j, f = COORDINATES * (3 + i) + j, s = COORDINATES * (6 + i) + j;
             const int u = NODE * i + j, l = NODE * (3 + i) + j;
-            aa[u] += factor * k[x];
-            ab[u] -= factor * k[x];
-            ba[u] -= factor * k[x];
-            bb[u] += factor * k[x];
-            aa[u + 3] -= factor * k[x + 3];
-            ab[u + 3] -= factor * k[x + 6];
-            ba[u + 3] += factor * k[x + 3];
-            bb[u + 3] += factor * k[x + 6];
-            aa[l] -= factor * k[f];
-            ab[l] += factor * k[f];
-            ba[l] -= factor * k[s];
-            bb[l] += factor * k[s];
-            aa[l + 3] += factor * k[f + 3];
-            ab[l + 3] += factor * k[f + 6];
-            ba[l + 3] += factor * k[s + 3];
-            bb[l + 3] += factor * k[s + 6];
+            aa[u] += k[x];
+            ab[u] -= k[x];
+            ba[u] -= k[x];
+            bb[u] += k[x];
+            aa[u + 3] -= k[x + 3];
+            ab[u + 3] -= k[x + 6];
+            ba[u + 3] += k[x + 3];
+            bb[u + 3] += k[x + 6];
+            aa[l] -= k[f];
+            ab[l] += k[f];
+            ba[l] -= k[s];
+            bb[l] += k[s];
+            aa[l + 3] += k[f + 3];
+            ab[l + 3] += k[f + 6];
+            ba[l + 3] += k[s + 3];
+            bb[l + 3] += k[s + 6];
         }
 }
 

@@ -52,7 +52,7 @@ typedef struct {
     double *port_arms, *port_turns; /* 3 and 4 a port, axes of the section */
     double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
     double gravity[3], damping;
-    int quasi_static;
+    double *start_displacements, *start_rotations; /* of nodes, construction frame */
     Shape start, end;
     double *travel, *turn, *quaternions, *spins; /* of nodes: spins are angular momenta at the start, world axes */
     double *stresses, *changes; /* of elements, 6 each: means over a step, changes of strains over it */

@@ -14,11 +14,10 @@
 #define STANDSTILL 0.5
 #define LARGEST_TURN 2.0
 
-/* A step of size h. static: its end stands for its start as well. damping: of the stiffness, over h. */
+/* A step of size h. damping: of the stiffness, over h. */
 typedef struct {
     const double *x, *u;
     double h, damping;
-    int is_static;
 } Step;
 
 /* out = r v, and its transpose. */
@@ -55,17 +54,17 @@ static int start_step(Beam *beam, const Step *step, Reason *why) {
         turned3(beam->start.directors + 9 * n, spin, beam->spins + 3 * n);
     }
     for (size_t i = 0; i < 3 * (beam->nodes - 1); i++) beam->start.spans[i] = position[i + 3] - position[i];
-    for (size_t m = 0; m + 1 < beam->nodes && !step->is_static; m++)
+    for (size_t m = 0; m + 1 < beam->nodes; m++)
         if (!strain(beam, &beam->start, m))
             return refuse(why, "element %lu of %lu turns by more than 60 deg between its ends; take more elements,"
                           " smaller steps or smaller loads", (unsigned long)m + 1, (unsigned long)beam->nodes - 1);
     return 1;
 }
 
-/* Uniform motion on from the start, rest in static solutions. */
+/* Uniform motion on from the start. */
 static void predict(Beam *beam, const Step *step) {
     const double *velocity = step->x + place_of_velocity(beam), *rate = step->x + place_of_rate(beam);
-    const double h = step->is_static ? 0.0 : step->h;
+    const double h = step->h;
     for (size_t n = 0; n < beam->nodes; n++) {
         turned3(beam->start.directors + 9 * n, rate + 3 * n, beam->turn + 3 * n);
         for (size_t i = 3 * n; i < 3 * n + 3; i++) {
@@ -109,23 +108,18 @@ static inline Middle middle_of(const Shape *start, const Shape *end, size_t m) {
     return found;
 }
 
-/* What a step starts from: in static solutions its end. */
-static inline const Shape *before(const Beam *beam, const Step *step) {
-    return step->is_static ? &beam->end : &beam->start;
-}
-
 /* Mean arm of a port over a step, world axes. */
-static inline void mean_arm(const Beam *beam, const Step *step, size_t port, double arm[3]) {
+static inline void mean_arm(const Beam *beam, size_t port, double arm[3]) {
     const size_t node = beam->port_nodes[port];
     double r[9];
     for (int i = 0; i < 9; i++)
-        r[i] = 0.5 * (before(beam, step)->directors[9 * node + i] + beam->end.directors[9 * node + i]);
+        r[i] = 0.5 * (beam->start.directors[9 * node + i] + beam->end.directors[9 * node + i]);
     turned3(r, beam->port_arms + 3 * port, arm);
 }
 
 /* Loads on all nodes, six numbers each. */
 FANFOLD_VECTORISED static void load_nodes(Beam *beam, const Step *step) {
-    const Shape *start = before(beam, step);
+    const Shape *start = &beam->start;
     for (size_t n = 0; n < beam->nodes; n++)
         for (int i = 0; i < 3; i++) {
             beam->loads[NODE * n + i] = beam->weights[n] * beam->gravity[i];
@@ -146,7 +140,7 @@ FANFOLD_VECTORISED static void load_nodes(Beam *beam, const Step *step) {
     for (size_t k = 0; k < beam->ports; k++) {
         const double *wrench = step->u + WRENCH_SIZE * k;
         double *load = beam->loads + NODE * beam->port_nodes[k], arm[3], moment[3];
-        mean_arm(beam, step, k, arm);
+        mean_arm(beam, k, arm);
         cross3(arm, wrench, moment);
         for (int i = 0; i < 3; i++) {
             load[i] += wrench[i];
@@ -155,15 +149,14 @@ FANFOLD_VECTORISED static void load_nodes(Beam *beam, const Step *step) {
     }
 }
 
-/* Angular momentum of a section at the end of the step, as its turn gives it, world axes; in static solutions what
-   stands for it. */
+/* Angular momentum of a section at the end of the step, as its turn gives it, world axes. */
 static inline void spin_of_turn(const Beam *beam, const Step *step, size_t n, double spin[3]) {
     double turn[3];
-    const double *rate = step->x + place_of_rate(beam) + 3 * n, share = step->is_static ? 1.0 : 2.0;
+    const double *rate = step->x + place_of_rate(beam) + 3 * n;
     turned_back3(beam->start.directors + 9 * n, beam->turn + 3 * n, turn);
     for (int i = 0; i < 3; i++)
-        turn[i] = beam->inertia[3 * n + i] * (share * turn[i] / step->h - (step->is_static ? 0.0 : rate[i]));
-    turned3((step->is_static ? &beam->start : &beam->end)->directors + 9 * n, turn, spin);
+        turn[i] = beam->inertia[3 * n + i] * (2.0 * turn[i] / step->h - rate[i]);
+    turned3(beam->end.directors + 9 * n, turn, spin);
 }
 
 /* What changes of momenta are missing of the loads over the step: minus the residual. */
@@ -174,9 +167,8 @@ static void miss_loads(Beam *beam, const Step *step) {
         double spin[3], *missing = beam->residual + NODE * n;
         spin_of_turn(beam, step, n, spin);
         for (int i = 0; i < 3; i++) {
-            const double start = step->is_static ? 0.0 : beam->spins[3 * n + i];
             missing[i] = beam->loads[NODE * n + i];
-            missing[3 + i] = beam->loads[NODE * n + 3 + i] - (spin[i] - start) / h;
+            missing[3 + i] = beam->loads[NODE * n + 3 + i] - (spin[i] - beam->spins[3 * n + i]) / h;
         }
     }
     for (size_t n = 0; n < beam->nodes; n++) {
@@ -186,8 +178,8 @@ static void miss_loads(Beam *beam, const Step *step) {
             const size_t at = 3 * n + i;
             const double *next = beam->travel + at + (n + 1 < beam->nodes ? 3 : 0);
             const double *fast = velocity + at + (n + 1 < beam->nodes ? 3 : 0);
-            const double here = step->is_static ? beam->travel[at] : 2.0 * (beam->travel[at] - h * velocity[at]);
-            const double there = step->is_static ? *next : 2.0 * (*next - h * *fast);
+            const double here = 2.0 * (beam->travel[at] - h * velocity[at]);
+            const double there = 2.0 * (*next - h * *fast);
             const double gain = 2.0 * (own + earlier) * here + own * there + earlier * last[i];
             beam->residual[NODE * n + i] -= gain / (h * h);
             last[i] = here;
@@ -197,8 +189,7 @@ static void miss_loads(Beam *beam, const Step *step) {
 
 /* Derivative of the change of a section's angular momentum by its rotation vector, over the step's size. */
 FANFOLD_INLINED void add_spin(const Beam *beam, const Step *step, size_t n, double *block) {
-    const Shape *end = step->is_static ? &beam->start : &beam->end;
-    const double share = (step->is_static ? 1.0 : 2.0) / (step->h * step->h);
+    const double share = 2.0 / (step->h * step->h);
     double spin[3];
     spin_of_turn(beam, step, n, spin);
     for (int column = 0; column < 3; column++) {
@@ -207,26 +198,26 @@ FANFOLD_INLINED void add_spin(const Beam *beam, const Step *step, size_t n, doub
         cayley_change(beam->turn + 3 * n, unit, change);
         turned_back3(beam->start.directors + 9 * n, change, local);
         for (int i = 0; i < 3; i++) local[i] *= share * beam->inertia[3 * n + i];
-        turned3(end->directors + 9 * n, local, gain);
+        turned3(beam->end.directors + 9 * n, local, gain);
         cross3(unit, spin, turning);
         for (int i = 0; i < 3; i++)
-            block[NODE * (3 + i) + 3 + column] += gain[i] + (step->is_static ? 0.0 : turning[i] / step->h);
+            block[NODE * (3 + i) + 3 + column] += gain[i] + turning[i] / step->h;
     }
 }
 
 /* Minus the derivative of the moment that a port's force has on its node by the rotation of that. */
 static void add_arm(const Beam *beam, const Step *step, size_t port, double *block) {
-    const double *force = step->u + WRENCH_SIZE * port, share = step->is_static ? 1.0 : 0.5;
+    const double *force = step->u + WRENCH_SIZE * port;
     double arm[3];
     turned3(beam->end.directors + 9 * beam->port_nodes[port], beam->port_arms + 3 * port, arm);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            block[NODE * (3 + i) + 3 + j] -= share * (arm[i] * force[j] - (i == j ? dot3(arm, force) : 0.0));
+            block[NODE * (3 + i) + 3 + j] -= 0.5 * (arm[i] * force[j] - (i == j ? dot3(arm, force) : 0.0));
 }
 
 /* Factors of the derivative of the residual by the unknowns where the iteration stands. */
 FANFOLD_VECTORISED static void factorise(Beam *beam, const Step *step, Factors *f, int with_ports) {
-    const Shape *start = before(beam, step), *end = &beam->end;
+    const Shape *start = &beam->start, *end = &beam->end;
     const size_t nodes = beam->nodes, elements = nodes - 1;
     memset(f->nodes, 0, BLOCK * nodes * sizeof(double));
     memset(f->next, 0, BLOCK * elements * sizeof(double));
@@ -241,8 +232,8 @@ FANFOLD_VECTORISED static void factorise(Beam *beam, const Step *step, Factors *
         add_geometric(middle.a, middle.b, middle.span, a, a + 9, beam->stresses + 6 * m, k);
         add_material(mean, g, last, length, k);
         double *aa = f->nodes + BLOCK * m, *ab = f->next + BLOCK * m, *ba = f->back + BLOCK * m, *bb = aa + BLOCK;
-        add_to_blocks(k, step->is_static ? 2.0 : 1.0, aa, ab, ba, bb);
-        const double mass = (step->is_static ? 1.0 : 2.0) * beam->line_mass * length / (6.0 * step->h * step->h);
+        add_to_blocks(k, aa, ab, ba, bb);
+        const double mass = 2.0 * beam->line_mass * length / (6.0 * step->h * step->h);
         for (int i = 0; i < 3; i++) {
             aa[(NODE + 1) * i] += 2.0 * mass;
             ab[(NODE + 1) * i] += mass;
@@ -323,7 +314,7 @@ static int iterate(Beam *beam, const Step *step, Reason *why) {
 }
 
 static Step step_of(const Beam *beam, const double *x, const double *u, double h) {
-    return (Step){x, u, h, beam->quasi_static ? 0.0 : beam->damping / h, beam->quasi_static};
+    return (Step){x, u, h, beam->damping / h};
 }
 
 /* Writes the velocities that loads lead to, and the heat. */
@@ -356,10 +347,7 @@ static void store_end(Beam *beam, const Step *step, double *x_next) {
         x_next[place_of_position(beam) + i] = position[i] + beam->travel[i];
     memcpy(x_next + place_of_orientation(beam), beam->quaternions, 4 * beam->nodes * sizeof(double));
     x_next[X_HEAT] = step->x[X_HEAT];
-    if (step->is_static)
-        memset(x_next + place_of_velocity(beam), 0, 6 * beam->nodes * sizeof(double));
-    else
-        store_motion(beam, step, x_next);
+    store_motion(beam, step, x_next);
 }
 
 int beam_step_real(void *self, const double *x, const double *u, double h, double *x_next, Reason *why);
@@ -391,7 +379,7 @@ static void differentiate_step(Beam *beam, const Step *step, const double comple
     for (size_t k = 0; k < beam->ports; k++) {
         double slope[WRENCH_SIZE], arm[3], moment[3], *load = beam->residual + NODE * beam->port_nodes[k];
         for (int i = 0; i < WRENCH_SIZE; i++) slope[i] = cimag(u[WRENCH_SIZE * k + i]);
-        mean_arm(beam, step, k, arm);
+        mean_arm(beam, k, arm);
         cross3(arm, slope, moment);
         for (int i = 0; i < 3; i++) {
             load[i] += slope[i];
@@ -403,7 +391,7 @@ static void differentiate_step(Beam *beam, const Step *step, const double comple
 
 /* Slopes of the state at the end, from those of travel and rotations; heat has none, as no output depends on it. */
 static void store_slopes(const Beam *beam, double h, double complex *x_next) {
-    const double rate = beam->quasi_static ? 0.0 : 2.0 / h;
+    const double rate = 2.0 / h;
     for (size_t n = 0; n < beam->nodes; n++) {
         const double *by = beam->residual + NODE * n;
         const Quaternion turning = {0.0, 0.5 * by[3], 0.5 * by[4], 0.5 * by[5]};

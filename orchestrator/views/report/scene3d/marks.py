@@ -14,8 +14,7 @@ from components.contract.roles import INTERFACE_LOAD
 from ....analysis.stress.model import scene_of
 from ....results.point_loads import port_loads
 from ....results.result import Result
-from ....scene.bodies import attachments, scene_points
-from ....scene.schema import CheckedScene
+from ....scene.placed_scene import CheckedScene
 from ...viewers.motion import Rows
 from ...viewers.thinning import straight
 from .numbers import double, single
@@ -47,10 +46,10 @@ def marks(result: Result, bodies: Collection[str], rows: Rows, remarks: list[str
 
 def _places(scene: CheckedScene, bodies: Collection[str]) -> dict[tuple[str, str], Place]:
     """Places of ports of connections, by connection and port, on bodies whose motion is known."""
-    points, found = scene_points(scene), dict[tuple[str, str], Place]()
-    for one in attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections):
+    found = dict[tuple[str, str], Place]()
+    for one in scene.attachments:
         if one.body in bodies or one.body == scene.base.name:
-            point = add(points[one.body][one.point], one.offset)
+            point = add(scene.points[one.body][one.point], one.offset)
             found[one.connection, one.port] = {"body": one.body, "point": list(point)}
     return found
 

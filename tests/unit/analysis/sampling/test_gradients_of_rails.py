@@ -10,11 +10,11 @@ FRICTION, BRAKED, AT = 6.0, 25.0, 2.0
 
 
 @needs_native
-def test_a_neighbour_follows_its_leader_to_rest():
+def test_a_replay_comes_to_rest():
     """Closed form: work of the weight over the way s = a t^2 / 2 + (a t)^2 / 2 b, a = (W - F) / m, b = (B - W) / m.
 
     The last 20 mm/s of 3.8 m/s go under less than full friction. Regression: matrices from one side of the kink in
-    friction threw wrenches on the other to and fro, and neighbours could not follow.
+    friction threw wrenches on the other to and fro, and no run with another value could follow.
     """
     scene = incline(FRICTION, until="3 s")
     scene.event("brake", time=f"{AT} s", set={"rail": {"friction_force": BRAKED}})

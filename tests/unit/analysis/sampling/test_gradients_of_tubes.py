@@ -66,8 +66,8 @@ def tilted(about_y, about_z):
     return (*np.diag(found), found[0, 1], found[0, 2], found[1, 2])
 
 
-@pytest.mark.skipif(native_library() is None, reason="neighbours run in the library")
-def test_neighbours_of_slender_bodies_follow_through_a_release():
+@pytest.mark.skipif(native_library() is None, reason="the reference is made of native FMUs")
+def test_slender_bodies_are_replayed_through_a_release():
     """Independent: central differences of runs.
 
     Regression: corrections of 1e-7 N were not taken for rounding, though all residuals were.

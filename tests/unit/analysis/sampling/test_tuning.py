@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import replace
 from math import sqrt
 
 import numpy as np
@@ -10,8 +9,6 @@ import pytest
 from click.testing import CliRunner
 
 import orchestrator as fanfold
-from orchestrator.analysis.sampling import tuning
-from orchestrator.analysis.sampling.gradients import gradients
 from orchestrator.analysis.sampling.targets import Target
 from orchestrator.cli.main import main
 from tests.unit.analysis.sampling.flap import ANGLE, ENDS, INERTIA, MOTOR, flap
@@ -129,24 +126,11 @@ SEVEN = {
 }
 
 
-@pytest.mark.parametrize("unreliable", [False, True])
-def test_derivatives_that_nobody_vouches_for_are_not_searched_with(monkeypatch, unreliable):
-    """Rule: one run with neighbours replaces a run a key, unless it says that its derivatives mean nothing."""
-    made = []
-
-    def spy(*arguments):
-        found = gradients(*arguments)
-        made.append(found)
-        return replace(found, errors=np.ones_like(found.errors)) if unreliable else found
-
-    monkeypatch.setattr(tuning, "gradients", spy)
+def test_keys_that_the_target_does_not_depend_on_stay():
+    """A search by seven keys, of which three move the latch time. Regression: rounding in differences moved another."""
     found = fanfold.tune(flap(), SEVEN, {"line.latch_time": 1.75}, accuracy=1e-5, **ROUGH)
     assert found.reached
-    assert made
-    # 1 + 0.6 (7 + 1), rounded up, for every set of derivatives, and one run a key where these are worth nothing
-    evaluations = found.runs - len(made) * (6 + unreliable * len(SEVEN))
-    assert 2 <= evaluations <= 12
-    # regression: rounding in differences sent it to 1.84, and the search with it, for 82 runs in place of 46
+    assert found.runs <= 3 * (1 + len(SEVEN))
     assert found.values["hinge_line.line.latch.stiffness*"] == pytest.approx(1.0, abs=1e-9)
 
 

@@ -4,31 +4,17 @@ import numpy as np
 import pytest
 
 from components.beam import Beam
-from components.catalogue import TableError, read_body
-from components.catalogue.tables import Sign
 from components.flexible.reduction import craig_bampton
+from tests.references.catalogue import built
 from tests.unit.components.beam.beam_cases import positions, wrenches
 from tests.unit.components.prepared import prepared
-
-TUBE = {"diameter": 0.03, "wall": 1e-3, "youngs_modulus": 70e9, "poisson_ratio": 0.3, "density": 2700.0}
-BOOM = {
-    "length": 2.5,
-    "radius": 2.0,
-    "tube": TUBE,
-    "attachment_points": {"root": 0.0, "hook": 0.7, "tip": 2.5},
-}
-
-
-def plain(value: object, unit: str, sign: Sign) -> float:
-    """A value that is a number already."""
-    assert isinstance(value, int | float)
-    return float(value)
+from tests.unit.scene.body_cases import BOOM
 
 
 def body(**changes):
     """The boom with other keys; None leaves one out."""
     table = {key: value for key, value in {**BOOM, **changes}.items() if value is not None}
-    return read_body({"beam": table}, plain)
+    return built({"beam": table})
 
 
 def component(beam) -> Beam:
@@ -86,35 +72,3 @@ def test_a_beam_of_one_element():
     found = body(radius=None, elements=1, attachment_points={"a": 0, "b": 2.5})
     assert len(found.beam.nodes()) == 2
     assert found.flexible(4).frequency.size == 10
-
-
-PROBLEMS = {
-    "no length": ({"length": None, "radius": None}, "beam: .*length, axis.*none"),
-    "two axes": ({"axis": [[0, 0, 0], [1, 0, 0]], "radius": None}, "length, axis.*and axis"),
-    "a radius of an axis": ({"length": None, "axis": [[0, 0, 0], [1, 0, 0]]}, "beam.radius: belongs to a length"),
-    "one point": ({"length": None, "radius": None, "axis": [[0, 0, 0]]}, "beam.axis: .*two"),
-    "no positions": ({"length": None, "radius": None, "axis": [1, 2]}, "beam.axis: .*list"),
-    "no section": ({"tube": None}, "rectangle, tube, circle, section.*none"),
-    "thick wall": ({"tube": {**TUBE, "wall": 0.02}}, "beam.tube.wall: is 0.02 m; a tube of 0.03 m"),
-    "no points": ({"attachment_points": None}, "beam.attachment_points: is missing"),
-    "beyond the end": ({"attachment_points": {"a": 3.0}}, "attachment_points.a: .*3 m"),
-    "one place": ({"attachment_points": {"a": 1.0, "b": 1.0}}, "beam.attachment_points: a and b"),
-    "few elements": ({"elements": 1}, "beam.elements: is 1; .* into 2 stretches"),
-    "too much a turn": ({"radius": 0.5, "elements": 2, "attachment_points": {"a": 0}}, " 60 deg"),
-    "along the axis": ({"section_z": [1, 0, 0]}, "section_z.*axis"),
-    "unknown": ({"lenght": 1.0}, "beam.lenght: .*length"),
-    "both moduli": ({"tube": {**TUBE, "shear_modulus": 1e9}}, "shear_modulus, poisson_ratio"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("case", PROBLEMS)
-def test_problems_are_sentences(case):
-    changes, sentence = PROBLEMS[case]
-    with pytest.raises(TableError, match=sentence) as caught:
-        body(**changes)
-    assert len(caught.value.problems) == 1
-
-
-def test_a_beam_stands_alone():
-    with pytest.raises(TableError, match="beam"):
-        read_body({"beam": BOOM, "frame": {"joints": {"a": [0, 0, 0]}}}, plain)

@@ -5,7 +5,7 @@ from importlib.resources import files
 
 import pytest
 
-from components import catalogue
+from tests.references import catalogue
 
 SHEETS = ("workbench", "amos3", "bepicolombo", "arabsat")
 

@@ -7,7 +7,6 @@ import pytest
 from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
-from components import catalogue
 from components.catalogue.definition import rigid_with_masses, with_masses
 from components.catalogue.frame import Frame, Path
 from components.contract.component import ComponentError
@@ -18,6 +17,7 @@ from components.flexible.modal import ModalData
 from components.flexible.panel import panel_model
 from components.flexible.plate import HingeArm, Panel, Plate
 from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
+from tests.references import catalogue
 
 BRACKET = (("center", 0.40),)
 SECTION = BeamSection(1e7, 1000.0, 3000.0, 700.0, 1.3, 0.01)

@@ -5,9 +5,9 @@ from math import hypot
 import numpy as np
 import pytest
 
-from components import catalogue
 from components.contract.component import ComponentError
 from components.flexible.reduction import fixed_interface_frequencies
+from tests.references import catalogue
 
 WINGS = {
     "amos3_yoke": (10, 22, ("hl1", "hl2_left", "hl2_right", "guide")),

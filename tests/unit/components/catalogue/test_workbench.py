@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from components import catalogue
 from components.flexible.panel import panel_model
 from components.flexible.plate import HingeArm, Panel, Plate
 from components.flexible.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
+from tests.references import catalogue
 
 POINTS = ("hl_left", "hl_right")
 FIXED = np.array([4.103071, 9.523196, 54.19069, 69.25148, 97.80708, 121.5842])

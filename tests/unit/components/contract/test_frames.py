@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -22,7 +22,6 @@ def library(q):
 
 
 @given(QUATERNION, QUATERNION, VECTOR)
-@settings(max_examples=30)
 def test_products_and_rotations(a, b, v):
     """Independent library (SciPy): product, inverse, matrix, rotation of a vector and back."""
     both = frames.multiply(a, b)

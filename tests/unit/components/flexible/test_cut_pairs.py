@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import orchestrator as fanfold
-from components.catalogue.reader import read_body
 from components.flexible import reduction
 from components.flexible.reduction import fixed_interface_frequencies, orthonormal_modes
+from tests.references.catalogue import built
 
 SQUARE = {
     "length": 1.0,
@@ -21,7 +21,7 @@ POINTS = ("hub",)
 
 def test_a_pair_stays_whole_and_is_always_the_same(monkeypatch):
     """Regression: a solver that begins elsewhere gave another half, and stresses were refused as another body's."""
-    model = read_body({"panel": SQUARE}, lambda value, unit, sign: value).finite_elements(())
+    model = built({"panel": SQUARE}).finite_elements(())
     frequency = fixed_interface_frequencies(model, POINTS, 8)
     count = 1 + int(np.argmin(np.diff(frequency) / frequency[1:]))
     assert frequency[count] == pytest.approx(frequency[count - 1], rel=1e-8)

@@ -6,7 +6,6 @@ from numpy.polynomial import polynomial
 from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
-from components import catalogue
 from components.contract.component import ComponentError
 from components.contract.frames import skew
 from components.flexible import stress as stress_module
@@ -22,6 +21,7 @@ from components.flexible.stress import (
     stress_recovery,
     von_mises,
 )
+from tests.references import catalogue
 
 SKIN, DISTANCE = 0.30e-3, 25.3e-3
 SHEETS = FaceSheets.sandwich(SKIN, DISTANCE)

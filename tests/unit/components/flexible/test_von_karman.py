@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from components import catalogue
-from components.catalogue import TableError, read_body
+from components import FanfoldError
 from components.contract.component import ComponentError
 from components.flexible.modal import ModalData, rigid_motion
 from components.flexible.reduction import orthonormal_modes
 from components.flexible.von_karman import tension_fields
+from tests.references import catalogue
 from tests.unit.components.clamped_membrane import (
     AREAL_MASS,
     MODULUS,
@@ -148,9 +148,9 @@ def test_all_modes_that_bend_a_plate_stretch_it():
 def test_a_geometry_is_linear_or_von_karmans():
     """Bad input: a sentence with the key."""
     table = catalogue.entry_table("antenna_membrane")
-    assert read_body(table).panel.plate.geometry == "linear"
+    assert catalogue.built(table).panel.plate.geometry == "linear"
     table["panel"]["geometry"] = "von_karman"
-    assert read_body(table).panel.plate.geometry == "von_karman"
+    assert catalogue.built(table).panel.plate.geometry == "von_karman"
     table["panel"]["geometry"] = "karman"
-    with pytest.raises(TableError, match=r"geometry: .*'karman'.*von_karman"):
-        read_body(table)
+    with pytest.raises(FanfoldError, match=r"geometry: .*'karman'.*von_karman"):
+        catalogue.built(table)

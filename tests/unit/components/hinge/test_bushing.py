@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from components.contract.component import ComponentError
-from components.hinge import Hinge
 from tests.references.relative_motion import inputs, port_motion, wrenches
 from tests.unit.components.hinge.hinge_cases import hinge
 
@@ -55,17 +53,3 @@ def test_damping_acts_on_motion_relative_to_the_inboard_port():
     force, torque = loads(np.cross(spin, gap) + extra)
     assert force[1] == pytest.approx(-np.array((3.0, 2.0, 5.0)) * extra, abs=1e-14)
     assert torque[1] == pytest.approx(np.zeros(3), abs=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("structure", "words"),
-    [
-        ({"latch": "magnet"}, "none, spring.*kinematic"),
-        ({"wrench_mode": "middle"}, "mean.*endpoint"),
-        ({"axis": (0.0, 0.0, 0.0)}, "axis"),
-    ],
-)
-def test_impossible_hinges_are_refused(structure, words):
-    """A sentence says what is wrong."""
-    with pytest.raises(ComponentError, match=words):
-        Hinge(**structure)

@@ -1,12 +1,11 @@
-"""Wrenches of order 4 of a hinge: their work, their momentum, their order, and nothing of it at order 2."""
+"""Wrenches of a hinge with slopes and without: their work, their momentum, their order."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from components import ComponentError
 from components.contract.ports import PortMoments
 from components.hinge import Hinge
 from components.numerics.relative_motion import Passage, turn_between
@@ -14,6 +13,7 @@ from tests.references.relative_motion import (
     angular_momentum,
     inputs,
     port_motion,
+    resultant,
     slope_work,
     slopes,
     with_moments,
@@ -43,6 +43,7 @@ def pushed(component, place, turn, moments, inboard=(0.0, 0.0, 0.0), command=1.0
     return with_moments(component, u, moments_of(moments))
 
 
+@pytest.mark.parametrize("order", [2.0, 4.0])
 @pytest.mark.parametrize("latch", LATCHES, ids=lambda latch: latch["latch"])
 @given(
     turns=st.tuples(*[st.floats(-1.2, 1.2)] * 3),
@@ -50,13 +51,12 @@ def pushed(component, place, turn, moments, inboard=(0.0, 0.0, 0.0), command=1.0
     bases=st.tuples(THREE, THREE, THREE),
     moments=st.tuples(MOMENTS, MOMENTS),
 )
-@settings(max_examples=30)
-def test_work_is_the_change_of_energy(latch, turns, places, bases, moments):
+def test_work_is_the_change_of_energy(latch, order, turns, places, bases, moments):
     """Work of means and slopes + stored + heat = 0 to round-off, whatever the moments; all laws at once.
 
     The second step is damped by the roughness of the first.
     """
-    component, c = hinge("mean", {**HARNESS, **latch}, **MECHANISM, order=4.0)
+    component, c = hinge("mean", {**HARNESS, **latch}, **MECHANISM, order=order)
     still = np.zeros((4, 3))
     states = [
         pushed(component, place, turn, moment, base)
@@ -71,7 +71,8 @@ def test_work_is_the_change_of_energy(latch, turns, places, bases, moments):
     heat = changes["dissipated_energy"] + changes["numerical_dissipation"]
     scale = before["potential_energy"] + after["potential_energy"] + abs(heat)
     assert done + changes["potential_energy"] + heat == pytest.approx(0.0, abs=1e-12 * scale)
-    assert changes["numerical_dissipation"] >= 0.0
+    if order == 4.0:  # of order 2 inertial terms give and take
+        assert changes["numerical_dissipation"] >= 0.0
     assert changes["dissipated_energy"] >= 0.0
 
 
@@ -80,7 +81,6 @@ ANY = st.tuples(LARGE, LARGE, LARGE)
 
 
 @given(st.tuples(ANY, ANY), st.tuples(ANY, ANY), st.tuples(ANY, ANY, ANY, ANY), st.tuples(ANY, ANY), ANY, ANY)
-@settings(max_examples=30)
 def test_slopes_and_moments_are_adjoint(turns, gaps, moments, loads, swings, slopes_of_torque):
     """Virtual work of the slopes of loads, with what they add to the mean torque on the inboard port."""
     frames = [tuple(np.roll(Rotation.from_rotvec(turn).as_quat(), 1).tolist()) for turn in turns]
@@ -105,23 +105,28 @@ def test_turn_between_frames_is_that_of_a_difference(turns, vector):
     assert turn_between(frames[0], tuple(-q for q in frames[1])) == pytest.approx(turn, abs=1e-14 * scale)
 
 
+@pytest.mark.parametrize(("mode", "order"), [("mean", 2.0), ("mean", 4.0), ("endpoint", 2.0)])
 @given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE, moments=MOMENTS)
-@settings(max_examples=30)
-def test_wrenches_give_no_momentum(first, second, about, moments):
-    """Conservation law over a step, both ports turning and moving; round-off of forces up to 1e3 N."""
-    component, c = hinge("mean", {**HARNESS, "latch": "spring"}, **MECHANISM, order=4.0)
+def test_wrenches_give_no_momentum(mode, order, first, second, about, moments):
+    """Conservation law over a step or at its end, both ports turning and moving; round-off of forces up to 1e3 N."""
+    component, c = hinge(mode, {**HARNESS, "latch": "spring"}, **MECHANISM, order=order)
     before = inputs(
         component, port_motion(), port_motion((0.01, 0.02, -0.01), (0.1, 0.5, 0.0)), latch_command=1.0
     )
     after = inputs(
         component,
-        port_motion(first[0], 10 * np.array(first[1])),
-        port_motion(second[0], 10 * np.array(second[1])),
+        port_motion(first[0], 10 * np.array(first[1]), 50 * np.array(second[1]), 50 * np.array(first[0])),
+        port_motion(second[0], 10 * np.array(second[1]), 50 * np.array(first[1]), 50 * np.array(second[0])),
         latch_command=1.0,
     )
-    after = with_moments(component, after, moments_of(moments))
+    if mode == "mean":
+        after = with_moments(component, after, moments_of(moments))
     y = component.step(c, component.initial(c, before), after, 0.1)
     outputs = component.outputs(c, y, after)
+    if order == 2.0:
+        total = resultant(outputs, before if mode == "mean" else after, after, 2, about)
+        assert total == pytest.approx(np.zeros(6), abs=1e-12)
+        return
     total = angular_momentum(component, outputs, before, after, 2, about)
     assert total == pytest.approx(np.zeros(6), abs=1e-12)
     force, _ = slopes(component, outputs, 2)
@@ -204,7 +209,6 @@ def test_mean_and_slope_are_of_order_four_and_three(structure):
 
 
 @given(MOMENTS, st.tuples(ANY, ANY))
-@settings(max_examples=30)
 def test_order_two_takes_no_note_of_moments(moments, motions):
     """The parameter's start: same bits, and slopes zero."""
     component, c = hinge("mean", {**HARNESS, "latch": "spring"}, **MECHANISM)
@@ -239,8 +243,3 @@ def test_an_end_point_hinge_has_no_slopes():
     component, c = hinge("endpoint", order=4.0)
     assert not any(name.endswith(("_slope", "_moment")) for name in component.output_layout.scalar_names())
     assert not c.paired
-
-
-def test_an_order_between_is_refused():
-    with pytest.raises(ComponentError, match=r"order = 3.*2 or 4"):
-        hinge("mean", order=3.0)

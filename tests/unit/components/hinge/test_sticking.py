@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import Part, base, between, completed, rigid
-from tests.references.native_fmus import native_errors, needs_native
 from tests.unit.components.hinge.hinge_cases import STIFF, hinge, observed, outboard
 
 INERTIA, FRICTION, STIFFNESS = 6.2514, 0.5, 200.0
@@ -172,16 +171,6 @@ def test_of_an_end_point_it_follows_the_angle_in_any_parts():
         assert observed(component, c, x, u)["friction_torque"] == -FRICTION
         back = outboard(component, 1e-2 - 1e-3)
         assert observed(component, c, x, back)["friction_torque"] == pytest.approx(-0.3)
-
-
-@needs_native
-def test_native_hinge_sticks_and_slides_as_its_component():
-    """Over a swing, with derivatives of a step that slides and of one that sticks; both iterate to 1e-9 of 1 N.m."""
-    spring = {"rotational_stiffness": (5.0, 1e5, 1e5)}
-    for until in (0.5, 4.0):
-        observations, derivatives = native_errors("hinge", until, rotor(0.2, 0.3, **spring), LINKS, 0.02)
-        assert observations < 1e-6
-        assert derivatives < 1e-9
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 400.0])

@@ -59,14 +59,6 @@ def announced(header, size):
     return lambda path: as_text(path, f"%%MatrixMarket matrix {header} real general\n{size}\n1 1 1.0\n")
 
 
-def deck(text):
-    def files(path):
-        path.with_suffix(".cdb").write_text(text)
-        return {**as_text(path, "1\n"), "coordinates": str(path.with_suffix(".cdb"))}
-
-    return files
-
-
 TINY = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {(10**12, 4)}, }}"
 DAMAGED = {
     "encrypted": encrypted,
@@ -80,7 +72,6 @@ DAMAGED = {
     "mass of 1e300": lambda path: stored(path, mass=np.full((72, 72), 1e300)),
     "1e12 entries": announced("coordinate", "10 10 1000000000000"),
     "dense and large": announced("array", "100000 100000"),
-    "fields of no width": deck("NBLOCK,6,SOLID\n(0i0,6e0)\n1 2 3\n"),
 }
 
 

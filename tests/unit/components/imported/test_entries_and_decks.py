@@ -18,7 +18,7 @@ DATA = frame_data(bar_frame())
 
 def test_a_triangle_in_the_order_of_the_deck(tmp_path):
     """Each entry once, by the order of nodes in a deck that counts down: both triangles of sorted nodes have some."""
-    files = write.abaqus_matrix_input(tmp_path, DATA)
+    files = write.entries_by_node(tmp_path, DATA)
     for name in ("stiffness", "mass"):
         rows = [line.split(",") for line in files[name].read_text().splitlines() if line[:1].isdigit()]
         turned = [(*words[2:4], *words[0:2], words[4]) if k % 2 else words for k, words in enumerate(rows)]
@@ -51,24 +51,13 @@ def test_entries_of_outputs_in_npz_are_the_rows_themselves(tmp_path, dofs, label
     np.testing.assert_array_equal(found.rows, row)
 
 
-@pytest.mark.parametrize(
-    ("place", "refused"),
-    [("0., 10., 0.", True), ("0, 0, 0", False), ("0,0,0\n0.,0.,0.,0.,0.,1.,0.", False), (None, False)],
-)
-def test_parts_placed_elsewhere_are_refused(tmp_path, place, refused):
-    """Keywords of Abaqus: the line behind *INSTANCE moves all its nodes; K and M do not tell."""
-    files = write.abaqus_matrix_input(tmp_path, DATA)
-    deck = tmp_path / "job.inp"
-    nodes = write.calculix(tmp_path, DATA).with_suffix(".inp").read_text()
-    deck.write_text(
-        nodes + "\n*Instance, name=wing-1, part=wing\n" + (f"{place}\n" if place else "") + "*End Instance\n"
-    )
-    files = files | {"coordinates": deck}
-    if refused:
-        with pytest.raises(ComponentError, match=r"job\.inp: line \d+: '0\., 10\., 0\.'"):
-            imported(files).data()
-    else:
-        np.testing.assert_allclose(imported(files).data().coordinates, DATA.coordinates, atol=1e-9)
+def test_decks_of_parts_and_instances_are_refused(tmp_path):
+    """The line behind *INSTANCE moves all its nodes; K and M do not tell."""
+    files = write.entries_by_node(tmp_path, DATA)
+    with files["coordinates"].open("a") as deck:
+        deck.write("*Instance, name=wing-1, part=wing\n0., 10., 0.\n*End Instance\n")
+    with pytest.raises(ComponentError, match=r"job\.inp: line \d+: \*Instance"):
+        imported(files).data()
 
 
 @pytest.mark.parametrize(

@@ -270,7 +270,7 @@ def test_an_fmu_that_hangs_is_ended(tmp_path):
 
 def test_a_step_that_the_run_does_not_reach_is_told(controller):
     (sentence,) = scene_warnings(controlled(controller, until=1.0, step=2.0).check_one_run())
-    assert sentence.startswith("fmu.controller: ")
+    assert sentence.startswith("fmu.controller.step: ")
     assert scene_warnings(controlled(controller, until=1.0, step=1.0).check_one_run()) == []
 
 

@@ -6,8 +6,6 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from components import catalogue
-from components.catalogue import keys
 from orchestrator.scene import find_scene, list_scenes
 from orchestrator.scene.keys.json_schema import scene_schema
 from orchestrator.scene.keys.listing import key_tables
@@ -42,26 +40,8 @@ def test_every_field_has_a_meaning():
     ] == []
 
 
-def test_every_key_of_a_body_has_a_meaning():
-    """Completeness: each key that the reader of bodies asks for, and no other, has a sentence."""
-    asked = keys._asked()
-    assert len(asked) > 150
-    assert [path for path in asked if not keys.meaning(path)] == []
-    assert keys.unused_meanings() == set()
-
-
-def test_the_reader_of_bodies_knows_every_key_that_is_told():
-    """Truth: a table with all keys of a panel, each of them empty, is refused for what is in them, none as unknown."""
-    told = keys.tables_schema()["panel"]["properties"]
-    panel = {key: {} if one["type"] == "object" else [] for key, one in told.items()}
-    with pytest.raises(catalogue.TableError) as refused:
-        catalogue.read_body({"panel": panel | {"no_such_key": 1}})
-    unknown = [problem for problem in refused.value.problems if "is not a known key" in problem]
-    assert [problem.split(":")[0] for problem in unknown] == ["panel.no_such_key"]
-
-
 def test_every_key_is_in_the_list():
-    """Completeness: the list has every field of every model that files reach, and every key of bodies."""
+    """Completeness: the list has every field of every model that files reach."""
     listed = {(table.place, key.name) for table in key_tables() for key in table.keys}
     names = {name for _, name in listed}
     for kind in all_tables().values():
@@ -69,7 +49,6 @@ def test_every_key_is_in_the_list():
     for name, kind in (*TABLES.items(), *ARRAYS.items()):
         told = {key for place, key in listed if place == name}
         assert told == {info.alias or key for key, info in kind.model_fields.items()}
-    assert {tuple(f"body.{path}".rsplit(".", 1)) for path in keys._asked()} <= listed
 
 
 def test_units_and_defaults_are_those_of_the_models():

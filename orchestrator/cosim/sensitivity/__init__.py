@@ -1,1 +1,0 @@
-"""Neighbouring runs with slightly different parameters: derivatives through all steps and events of a run."""

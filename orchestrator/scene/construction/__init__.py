@@ -1,0 +1,1 @@
+"""Tables that say how a body is built, the catalogue of such bodies, and the definitions that follow from them."""
