@@ -9,12 +9,9 @@ from typing import Any
 import numpy as np
 
 from components.beam_parts.linear_model import display_faces
-from components.beam_parts.variables import Section
-from components.body import Body as ModalBody
 from components.catalogue import BodyDefinition
-from components.contract.component import Vector
 from components.contract.frames import with_positive_scalar
-from components.flexible.modal import ModalData, default_damping
+from components.flexible.modal import default_damping
 from components.flexible.reduction import free_frequencies
 
 from ..scene.bodies import StartPose, body_definition
@@ -56,30 +53,6 @@ def beam_part(
     positions = np.array([node["position"] for node in nodes])
     shown = Geometry(positions, np.zeros((len(nodes), 3, 0)), display_faces(len(nodes)))
     return Part(piece.root, "beam", structure, start), shown
-
-
-def as_rigid(part: Part) -> Part:
-    """A rigid body in the place of a beam, with its mass and ports: as good where only what holds it matters."""
-    nodes = np.array([node["position"] for node in part.structure["nodes"]])
-    section = Section.of(part.structure["section"])
-    halves = 0.5 * np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    lengths = np.append(halves, 0.0) + np.append(0.0, halves)
-    center = lengths @ nodes / lengths.sum()
-    arms = nodes - center
-    thin = np.einsum("n,nij->ij", lengths, np.sum(arms**2, 1)[:, None, None] * np.eye(3) - _outer(arms))
-    inertia = section.line_mass * thin + lengths.sum() * np.sum(section.line_inertia) * np.eye(3)
-    ports = part.structure["ports"]
-    points = {port["name"]: nodes[port["node"]] + np.array(port["offset"]) for port in ports}
-    data = ModalData.rigid(section.line_mass * lengths.sum(), center, inertia, points)
-    seats = [{"name": p["name"], "point": p["name"], "orientation": p["orientation"]} for p in ports]
-    start = {name: part.start[name] for name in ("initial_position", "initial_orientation", "gravity")}
-    return Part(part.name, ModalBody.kind, {"modal": data.to_arrays(), "ports": seats}, start)
-
-
-def _outer(vectors: Vector) -> Vector:
-    """Dyads (n, 3, 3) of vectors (n, 3) with themselves."""
-    found: Vector = np.einsum("ni,nj->nij", vectors, vectors)
-    return found
 
 
 def _damping_time(body: Body, definition: BodyDefinition, structural: StructuralDamping | None) -> float:
