@@ -148,7 +148,7 @@ def test_a_free_body_without_a_release_time_stays_held():
 
 
 def test_the_clock_starts_with_the_scene():
-    """Statics: a body that starts where spring and preload balance stays there; the release comes 0.05 s after t = 0."""
+    """Statics: what starts where spring and preload balance stays; the release comes 0.05 s after t = 0."""
     rest = {"initial_position": (0.0, 0.0, -PRELOAD / STIFFNESS)}
     parts, links = scene(start=rest, release_time=0.05)
     run = mastered(Network(in_process(parts), links), Settings(fixed_step=0.01))
