@@ -16,7 +16,7 @@ class Constants(NamedTuple):
     """Parameters, laws, and what follows from the structure.
 
     stiffness, damping: of the six coordinates in order. latch_stiffness, latch_damping: those of a lock where the latch
-    is one. paired: whether loads are of order 4; static solutions, with an end weight above one half, are of order 2.
+    is one. paired: whether loads are of order 4.
     """
 
     p: Parameters

@@ -148,8 +148,9 @@ def test_a_free_body_without_a_release_time_stays_held():
 
 
 def test_the_clock_starts_with_the_scene():
-    """Statics: the search before t = 0 ends where spring and preload balance; the release comes 0.05 s after t = 0."""
-    parts, links = scene(release_time=0.05)
+    """Statics: what starts where spring and preload balance stays; the release comes 0.05 s after t = 0."""
+    rest = {"initial_position": (0.0, 0.0, -PRELOAD / STIFFNESS)}
+    parts, links = scene(start=rest, release_time=0.05)
     run = mastered(Network(in_process(parts), links), Settings(fixed_step=0.01))
     run.master.initialize(preload=True)
     assert place(run)[2] == pytest.approx(-PRELOAD / STIFFNESS, rel=1e-6)

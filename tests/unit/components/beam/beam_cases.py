@@ -53,10 +53,10 @@ def at_rest(beam: Beam, loads: Sequence[np.ndarray], h: float, relaxing: int = 3
     placed = PlacedBeam(Part("beam", "beam", beam.structure, {}))
     for u in [*loads, *[loads[-1]] * relaxing]:
         wrench = u.reshape(-1, 6)
-        for _ in range(12):
+        for _ in range(25):
             tangent = placed.stiffness(wrench) + placed.mass() / h**2
             step = np.linalg.solve(tangent, placed.forces(wrench))
-            placed.move(step * min(1.0, 0.3 / max(np.abs(step.reshape(-1, 6)[:, 3:]).max(), 1e-300)))
+            placed.move(step * min(1.0, 0.1 / max(np.abs(step.reshape(-1, 6)[:, 3:]).max(), 1e-300)))
     c = prepared(beam, **placed.bent_from((1.0, 0.0, 0.0, 0.0)))
     return beam.initial(c, loads[0])
 
