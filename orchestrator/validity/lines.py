@@ -90,9 +90,9 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
         if group.rates.keys() & motors and (short := _first_short(scene, group.rates)) is not None:
             first, *others = group.rates
             rates = " : ".join(f"{rate:.4g}" for rate in group.rates.values())
-            couple = f" (coupled with {', '.join(others)} at rates {rates})" if others else ""
+            couple = f"coupled with {' and '.join(others)} at rates {rates}, " if others else ""
             yield (
-                f"hinge_line.{first}{couple}: at {degrees(short.angle):.4g} deg the motor torque of {short.given:.4g} "
+                f"hinge_line.{first}: {couple}at {degrees(short.angle):.4g} deg the motor torque of {short.given:.4g} "
                 f"N.m is below friction and harness, {short.taken:.4g} N.m, so it may stop there. Increase the motor "
                 "torque, or reduce friction."
             )
