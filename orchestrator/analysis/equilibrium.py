@@ -23,7 +23,7 @@ from ..assembly.statics.configuration import Configuration, free_lines, hinges_o
 from ..assembly.statics.equilibrium_search import settle
 from ..assembly.statics.mechanism import Mechanism
 from ..records import short_repr
-from ..scene import CheckedScene, SceneError
+from ..scene import PlacedScene, SceneError
 from ..scene.builder import Names
 from ..scene.units import degrees_text
 
@@ -74,7 +74,7 @@ class Equilibrium:
 
 
 def equilibrium(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -104,7 +104,7 @@ def equilibrium(
     return mechanism, _found(scene, mechanism, held)
 
 
-def _besides_lines(scene: CheckedScene, mechanism: Mechanism, *, joints: bool) -> set[str]:
+def _besides_lines(scene: PlacedScene, mechanism: Mechanism, *, joints: bool) -> set[str]:
     """Connections that are no hinges of lines; joints: those of a preset among them."""
     lines = hinges_of(scene, [line.name for line in scene.hinge_lines])
     return {
@@ -114,7 +114,7 @@ def _besides_lines(scene: CheckedScene, mechanism: Mechanism, *, joints: bool) -
     }
 
 
-def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:
+def _advice(scene: PlacedScene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:
     """What to do where there is no equilibrium."""
     free = free_lines(scene, target, held)
     if not scene.hinge_lines:
@@ -129,7 +129,7 @@ def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], s
 
 
 def lines_held(
-    scene: CheckedScene, target: Configuration, hold: Names | None, sweeps: Collection[Sweep]
+    scene: PlacedScene, target: Configuration, hold: Names | None, sweeps: Collection[Sweep]
 ) -> list[str]:
     """Lines to hold: the named ones, "all" or "none"; SceneError where that cannot be.
 
@@ -145,7 +145,7 @@ def lines_held(
 
 
 def quasi_static(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -172,7 +172,7 @@ def quasi_static(
 
 
 def _follow(
-    scene: CheckedScene,
+    scene: PlacedScene,
     mechanism: Mechanism,
     sweeps: Collection[Sweep],
     way: tuple[float, float],
@@ -205,7 +205,7 @@ def _place(sweeps: Collection[Sweep], share: float) -> str:
     return ", ".join(f"{sweep.line} = {angle} deg" for sweep, angle in zip(sweeps, angles, strict=True))
 
 
-def _turn(scene: CheckedScene, mechanism: Mechanism, name: str, angle: float) -> None:
+def _turn(scene: PlacedScene, mechanism: Mechanism, name: str, angle: float) -> None:
     """Turn everything outboard of a line about it, and hold its hinges there; a drive commands its new angle."""
     drives = [connection for connection in mechanism.connections.values() if connection.commands_angle]
     before = [drive.observe()["angle"] for drive in drives]
@@ -228,7 +228,7 @@ def _turn(scene: CheckedScene, mechanism: Mechanism, name: str, angle: float) ->
             drive.set_parameter(end, drive.parameter(end) + drive.observe()["angle"] - angle_before)
 
 
-def _outboard(scene: CheckedScene, name: str) -> set[str]:
+def _outboard(scene: PlacedScene, name: str) -> set[str]:
     """Bodies, or pieces of several, that a line carries."""
     roots = scene.group_roots
     lines = [line for line in scene.hinge_lines if not line.held]
@@ -238,7 +238,7 @@ def _outboard(scene: CheckedScene, name: str) -> set[str]:
     return found
 
 
-def _found(scene: CheckedScene, mechanism: Mechanism, held: Collection[str]) -> Equilibrium:
+def _found(scene: PlacedScene, mechanism: Mechanism, held: Collection[str]) -> Equilibrium:
     observed = {name: connection.observe() for name, connection in mechanism.connections.items()}
     lines = {line.name: line for line in scene.hinge_lines if not line.held}
     return Equilibrium(

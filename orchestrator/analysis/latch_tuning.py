@@ -25,7 +25,7 @@ from ..assembly.statics.configuration import configuration
 from ..assembly.statics.linear_model import LinearModel, linearise, normal_modes
 from ..assembly.statics.mechanism import Mechanism
 from ..records import short_repr
-from ..scene import CheckedScene, SceneError
+from ..scene import PlacedScene, SceneError
 from ..scene.bodies import StartPose, body_model
 from ..scene.hinge_line_tables import HingeLine
 
@@ -58,7 +58,7 @@ class Pair(NamedTuple):
         return float(modes.frequencies[k]), float(overlap[k])
 
 
-def pair(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
+def pair(scene: PlacedScene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
     """The pair of a line, its latch a spring of the given total stiffness (N.m/rad), or locked where that is None."""
     poses = scene.with_angles(configuration(scene, "deployed").angles).poses
     bodies = {
@@ -89,7 +89,7 @@ def pair(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], sti
 
 
 def _body_part(
-    scene: CheckedScene, name: str, line: HingeLine, side: str, flexible: bool, pose: StartPose
+    scene: PlacedScene, name: str, line: HingeLine, side: str, flexible: bool, pose: StartPose
 ) -> Part:
     """A body of the pair with a port at every hinge of the line."""
     seats = {hinge.name: getattr(hinge, side) for hinge in line.hinges}
@@ -213,7 +213,7 @@ class Tuning:
 
 
 def tune(
-    scene: CheckedScene,
+    scene: PlacedScene,
     line: HingeLine,
     flexible: Mapping[str, bool],
     frequency: float | None = None,
@@ -252,7 +252,7 @@ def tune(
     return replace(found, law=tuple(latch_law(line, found)))
 
 
-def _refuse_held(scene: CheckedScene, line: HingeLine) -> None:
+def _refuse_held(scene: PlacedScene, line: HingeLine) -> None:
     """A held piece turns as a whole; single bodies would give its inertia wrongly."""
     held = scene.locked_bodies
     problems = [
@@ -265,7 +265,7 @@ def _refuse_held(scene: CheckedScene, line: HingeLine) -> None:
         raise SceneError(problems)
 
 
-def find_line(scene: CheckedScene, name: str) -> HingeLine:
+def find_line(scene: PlacedScene, name: str) -> HingeLine:
     """The line of a name; SceneError where there is none."""
     lines = {line.name: line for line in scene.hinge_lines}
     if name not in lines:

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from ..assembly.statics.configuration import configuration
 from ..records import short_repr
-from ..scene import CheckedScene, SceneError
+from ..scene import PlacedScene, SceneError
 from ..scene.hinge_line_tables import HingeLine
 from .latch_tuning import find_line
 from .modes import Mode, Modes, find_modes
@@ -53,7 +53,7 @@ class WingTuning:
 
 
 def tune_wing(
-    scene: CheckedScene,
+    scene: PlacedScene,
     name: str,
     rigid: Collection[str] = (),
     flexible: Collection[str] = (),
@@ -98,7 +98,7 @@ def tune_wing(
     )
 
 
-def _with_spring(scene: CheckedScene, line: HingeLine, stiffness: float) -> CheckedScene:
+def _with_spring(scene: PlacedScene, line: HingeLine, stiffness: float) -> PlacedScene:
     assert line.latch is not None
     spring = {"kind": "spring", "stiffness": stiffness, "inboard_stiffness": None, "outboard_stiffness": None}
     latch = line.latch.model_copy(update={**spring, "measured": None})
@@ -108,7 +108,7 @@ def _with_spring(scene: CheckedScene, line: HingeLine, stiffness: float) -> Chec
     )
 
 
-def _modes(scene: CheckedScene, rigid: Collection[str], flexible: Collection[str]) -> Modes:
+def _modes(scene: PlacedScene, rigid: Collection[str], flexible: Collection[str]) -> Modes:
     return find_modes(scene, rigid, flexible, configuration(scene, "deployed"), False, _COUNT)
 
 
@@ -121,7 +121,7 @@ def _direction(modes: Modes, mode: Mode) -> int:
     return int(np.argmax(motion * (modes.model.mass[np.ix_(rows, rows)] @ motion)))
 
 
-def _lowest(modes: Modes, direction: int, scene: CheckedScene) -> float:
+def _lowest(modes: Modes, direction: int, scene: PlacedScene) -> float:
     """Frequency (Hz) of the lowest mode that moves mostly in a direction of the base."""
     for mode in modes.listed:
         if _direction(modes, mode) == direction:

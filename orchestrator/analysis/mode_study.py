@@ -21,7 +21,7 @@ from ..cosim.settings import Settings
 from ..records import short_repr
 from ..run.progress import Progress, silent
 from ..run.run import RunError
-from ..scene import CheckedScene
+from ..scene import PlacedScene
 from ..scene.bodies import body_definition, body_model
 from ..scene.body_tables import Body
 from ..scene.builder import Scene
@@ -100,7 +100,7 @@ def mode_study(
     return ModeStudy(studied.name, latch_up, frequencies(studied, counts))
 
 
-def studied_body(scene: CheckedScene, name: str | None, rigid: Collection[str]) -> Body:
+def studied_body(scene: PlacedScene, name: str | None, rigid: Collection[str]) -> Body:
     """The named body, or the only one that is not rigid; held lines leave a body no modes."""
     held = scene.locked_bodies
     bodies = {body.name: body for body in scene.bodies if body.can_bend and body.name not in held}

@@ -32,7 +32,7 @@ from ..assembly.statics.linear_model import (
 )
 from ..assembly.statics.steady_spin import spin_at_start
 from ..records import short_repr
-from ..scene import CheckedScene, SceneError
+from ..scene import PlacedScene, SceneError
 from ..scene.damping import StructuralDamping
 from .vibration import DIRECTIONS
 
@@ -153,7 +153,7 @@ def _spacing(low: Mode, high: Mode) -> float:
 
 
 def find_modes(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -174,7 +174,7 @@ def find_modes(
 
 
 def posing_sentence(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,

@@ -19,7 +19,7 @@ from ..assembly.hinges import line_latch
 from ..assembly.second_order import second_order_modes
 from ..messages import message
 from ..records import short_repr
-from ..scene import CheckedScene
+from ..scene import PlacedScene
 from ..scene.bodies import Attachment, StartPose, body_definition, body_model
 from ..scene.body_tables import Body, Fidelity
 from ..scene.connection_tables import Ccl
@@ -129,7 +129,7 @@ class SceneCheck:
 
 
 def check_scene(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str] = (),
     flexible: Collection[str] = (),
     large_deformation: Collection[str] = (),
@@ -170,7 +170,7 @@ def check_scene(
     )
 
 
-def _agreements(scene: CheckedScene) -> dict[str, dict[str, str]]:
+def _agreements(scene: PlacedScene) -> dict[str, dict[str, str]]:
     """What the agreement check found of every body that is imported, reduced as the scene says."""
     definitions = {body.name: body_definition(body) for body in scene.bodies if body.rigid is None}
     return {
@@ -180,7 +180,7 @@ def _agreements(scene: CheckedScene) -> dict[str, dict[str, str]]:
     }
 
 
-def _out_of_reach(scene: CheckedScene, far: Closed, bends: Mapping[str, bool]) -> Iterator[str]:
+def _out_of_reach(scene: PlacedScene, far: Closed, bends: Mapping[str, bool]) -> Iterator[str]:
     """A message about the joint that stays open farthest where motions lead, if its bodies are rigid.
 
     None where lines follow from others by loops, as where these lead them is not known.
@@ -199,7 +199,7 @@ def _out_of_reach(scene: CheckedScene, far: Closed, bends: Mapping[str, bool]) -
 
 
 def _bodies(
-    scene: CheckedScene,
+    scene: PlacedScene,
     models: Mapping[str, ModalData],
     chosen: Mapping[str, Fidelity],
     held: Collection[str],
@@ -254,7 +254,7 @@ def _triple(v: NDArray[np.float64]) -> Vector3:
     return (float(v[0]), float(v[1]), float(v[2]))
 
 
-def _line(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool]) -> LineOverview:
+def _line(scene: PlacedScene, line: HingeLine, flexible: Mapping[str, bool]) -> LineOverview:
     setting = line_latch(scene, line, flexible, "mean")
     inertia = None if line.latch is None else line.latch.effective_inertia or scene.effective_inertia(line)
     stiff = f", {setting.stiffness:.5g} N.m/rad" if setting.kind == "spring" else ""
@@ -274,7 +274,7 @@ def _motor_torques(line: HingeLine) -> tuple[float, float] | None:
     return line.motor_law.value(line.stowed_angle), line.motor_law.value(line.deployed_angle)
 
 
-def _loop(scene: CheckedScene, loop: Ccl) -> LoopOverview:
+def _loop(scene: PlacedScene, loop: Ccl) -> LoopOverview:
     travels = loop_travels(scene, loop)
     ends = loop.pulley_1, loop.pulley_2
     return LoopOverview(
@@ -284,7 +284,7 @@ def _loop(scene: CheckedScene, loop: Ccl) -> LoopOverview:
     )  # fmt: skip
 
 
-def _sketch(scene: CheckedScene, models: Mapping[str, ModalData], poses: Places) -> Sketch:
+def _sketch(scene: PlacedScene, models: Mapping[str, ModalData], poses: Places) -> Sketch:
     """What stands where in these poses."""
     points, ports = scene.points, scene.attachments
     sizes = [

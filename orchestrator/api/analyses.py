@@ -11,7 +11,7 @@ from ..assembly.fidelities import bending
 from ..assembly.statics.steady_spin import spin_at_start
 from ..messages import coded, message
 from ..run.progress import Progress
-from ..scene import CheckedScene, SceneError
+from ..scene import PlacedScene, SceneError
 from ..scene.builder import Names, listed
 from ..validity.centrifugal_stiffening import unstiffened_spins
 from ..validity.start import turned_from_the_world
@@ -687,7 +687,7 @@ def impacts(result: ResultLike) -> list[Impact]:
 class _Posed(NamedTuple):
     """A checked scene, its models of bodies and its configuration: what analyses of small motion begin with."""
 
-    scene: CheckedScene
+    scene: PlacedScene
     rigid: tuple[str, ...]
     flexible: tuple[str, ...]
     configuration: Configuration

@@ -21,7 +21,7 @@ from ..run.system_structure import check_ssp, write_ssp
 from ..scene.builder import Names, listed
 from ..scene.component_connections import WrenchMode
 from ..scene.layers import files_besides
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
 from .options import Folder, OutputFile, Within
 from .simulate import SceneLike, as_scene
@@ -178,7 +178,7 @@ def _tell_of_locks(assembly: Assembly) -> None:
         )
 
 
-def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
+def _tell_of_absent(scene: PlacedScene, *, with_events: bool) -> None:
     """Warn about parts of the scene that its FMUs lack."""
     if scene.events and not with_events:
         names = ", ".join(event.name for event in scene.events)

@@ -17,7 +17,7 @@ from ..scene.bodies import body_model, moved
 from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
 from ..scene.locked_groups import PortSite, RigidGroup, joined_geometry, joined_model, rigid_groups
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
 from .beams import beam_part
@@ -32,7 +32,7 @@ from .start_values import with_port_starts
 
 
 def assemble(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str] = (),
     flexible: Collection[str] = (),
     wrench_mode: WrenchMode = "mean",
@@ -90,7 +90,7 @@ def assemble(
 
 
 def _placed_parts(
-    scene: CheckedScene,
+    scene: PlacedScene,
     models: Mapping[str, ModalData],
     beams: Mapping[str, Body],
 ) -> tuple[list[Part], list[Link], dict[str, Geometry]]:
@@ -112,7 +112,7 @@ def _placed_parts(
     return parts, links, geometry
 
 
-def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
+def _connection_parts(scene: PlacedScene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
     """Every connection of the scene, those of held lines included."""
     parts: list[Part] = []
     for line in scene.hinge_lines:
@@ -123,7 +123,7 @@ def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode
     return parts + [Part(one.name, one.kind, *component_values(one, mode)) for one in scene.connections]
 
 
-def _refuse_out_of_range(scene: CheckedScene, parts: Sequence[Part]) -> None:
+def _refuse_out_of_range(scene: PlacedScene, parts: Sequence[Part]) -> None:
     """SceneError on values of lines and loops, or shares of them, that their components do not take."""
     problems = []
     for part in parts:
@@ -136,7 +136,7 @@ def _refuse_out_of_range(scene: CheckedScene, parts: Sequence[Part]) -> None:
         raise SceneError(problems)
 
 
-def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
+def _model(scene: PlacedScene, body: Body, flexible: bool) -> ModalData:
     try:
         return body_model(body, flexible, scene.structural_damping)
     except ComponentError as error:
@@ -144,7 +144,7 @@ def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
 
 
 def _group_part(
-    scene: CheckedScene, group: RigidGroup, models: Mapping[str, ModalData]
+    scene: PlacedScene, group: RigidGroup, models: Mapping[str, ModalData]
 ) -> tuple[Part, Geometry]:
     """A body or joined group where it starts, and what a picture of it needs."""
     base = scene.rigid_models.get(scene.base.name)
@@ -205,7 +205,7 @@ def _carried(group: RigidGroup, models: Mapping[str, ModalData]) -> dict[str, An
     return {"carried": {"mass": whole.mass, "center_of_mass": center, "inertia": inertia}}
 
 
-def _fixed_part(scene: CheckedScene, group: RigidGroup, carried: Mapping[str, Any]) -> Part:
+def _fixed_part(scene: PlacedScene, group: RigidGroup, carried: Mapping[str, Any]) -> Part:
     """The spacecraft as ground, with what held lines join to it; loads are about its first point."""
     structure = {"ports": _frame_ports(scene, group), **carried}
     if carried:
@@ -213,7 +213,7 @@ def _fixed_part(scene: CheckedScene, group: RigidGroup, carried: Mapping[str, An
     return Part(group.root, "fixed_base", structure, {})
 
 
-def _moving_part(scene: CheckedScene, group: RigidGroup, motion: Motion) -> Part:
+def _moving_part(scene: PlacedScene, group: RigidGroup, motion: Motion) -> Part:
     """What follows a motion; loads are about its pivot."""
     back = (-law.value(0.0) for law in motion.laws)
     frame = moved(scene.poses[group.root], motion, *back)
@@ -227,7 +227,7 @@ def _moving_part(scene: CheckedScene, group: RigidGroup, motion: Motion) -> Part
     return Part(group.root, "moving_base", structure, {})
 
 
-def _frame_ports(scene: CheckedScene, group: RigidGroup) -> list[dict[str, Any]]:
+def _frame_ports(scene: PlacedScene, group: RigidGroup) -> list[dict[str, Any]]:
     """Ports of a group in the axes of its root."""
     ports = []
     for site in group.sites:

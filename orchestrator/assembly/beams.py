@@ -17,12 +17,12 @@ from ..scene.bodies import body_definition
 from ..scene.body_tables import Body
 from ..scene.damping import StructuralDamping
 from ..scene.locked_groups import RigidGroup
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
 from . import Geometry, Part
 
 
-def beam_part(scene: CheckedScene, body: Body, group: RigidGroup) -> tuple[Part, Geometry]:
+def beam_part(scene: PlacedScene, body: Body, group: RigidGroup) -> tuple[Part, Geometry]:
     """A beam where it starts, and what a picture of it needs; SceneError where it has attached masses."""
     if body.masses:
         raise SceneError(

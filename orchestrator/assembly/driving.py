@@ -13,14 +13,14 @@ from components.numerics.motion_law import NOTHING, MotionLaw
 from ..scene.component_connections import component_values
 from ..scene.connection_tables import Connection
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from . import Driving
 
 _SAMPLES = 65
 """Of a law, from which its largest value is taken: its size is what matters."""
 
 
-def driving(scene: CheckedScene, lines: Sequence[HingeLine]) -> Driving:
+def driving(scene: PlacedScene, lines: Sequence[HingeLine]) -> Driving:
     """By the motors of hinge lines, loads that follow laws and preloads of cable loops; weights tell by themselves.
 
     The usual load where nothing of this acts, or where FMUs with signals do whatever they do.
@@ -32,7 +32,7 @@ def driving(scene: CheckedScene, lines: Sequence[HingeLine]) -> Driving:
     )
 
 
-def driving_load(scene: CheckedScene, lines: Sequence[HingeLine]) -> float:
+def driving_load(scene: PlacedScene, lines: Sequence[HingeLine]) -> float:
     """Sum of the largest torques (N.m) and forces (N) of motors, loads and preloads."""
     loads = [_motor_torque(line) for line in lines]
     loads += [loop.preload for loop in scene.loops]

@@ -19,7 +19,7 @@ from components.end_stop import OF_HINGE, EndStop
 from ..scene.component_connections import in_range, number_of, value_of
 from ..scene.event_tables import Event as EventTable
 from ..scene.event_tables import When
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
 from . import Condition, Event, HingeLine, Part, Setting
 
@@ -35,7 +35,7 @@ _MOTORS = {"motor_stiffness": "motor_constant_torque", "motor_constant_torque": 
 
 
 def assembly_events(
-    scene: CheckedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
+    scene: PlacedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
 ) -> tuple[Event, ...]:
     """The events of a scene, those of one time as one; SceneError with what its components do not know or cannot do."""
     reader = _EventReader(parts, lines)

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from ..scene.bodies import body_definition
 from ..scene.body_tables import Body, Fidelity
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
 
 _WORDS: dict[Fidelity, str] = {
@@ -19,7 +19,7 @@ _LACKING: dict[Fidelity, str] = {
 
 
 def choose_fidelity(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     large_deformation: Collection[str] = (),
@@ -53,7 +53,7 @@ def choose_fidelity(
     return chosen
 
 
-def bending(scene: CheckedScene, rigid: Collection[str], flexible: Collection[str]) -> dict[str, bool]:
+def bending(scene: PlacedScene, rigid: Collection[str], flexible: Collection[str]) -> dict[str, bool]:
     """Whether each body bends."""
     return {name: fidelity != "rigid" for name, fidelity in choose_fidelity(scene, rigid, flexible).items()}
 

@@ -14,7 +14,7 @@ from ..scene.component_connections import WrenchMode
 from ..scene.connection_tables import Ccl, Damper
 from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, MeasuredLatch, TorqueLoop
 from ..scene.loops.coupled_lines import rates_with
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from . import HingeLine as AssemblyHingeLine
 from . import Part
 from .locked_at_start import bolted_lines
@@ -40,7 +40,7 @@ class LatchSetting(NamedTuple):
 
 
 def line_latch(
-    scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode
+    scene: PlacedScene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> LatchSetting:
     """The latch of a line (Bagnoli 2007, sections 3.3.5 and 3.4.3.3).
 
@@ -78,7 +78,7 @@ def line_latch(
     return LatchSetting("spring", stiffness, damping, inertia=inertia)
 
 
-def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterator[str]:
+def unfollowed_curves(scene: PlacedScene, flexible: Collection[str]) -> Iterator[str]:
     """Sentences on measured latches whose torque a run with these bodies flexible does not follow."""
     bodies = {body.name: body.name in flexible for body in scene.bodies}
     for line in scene.hinge_lines:
@@ -98,7 +98,7 @@ def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterato
             )
 
 
-def contradicted_curves(scene: CheckedScene) -> Iterator[str]:
+def contradicted_curves(scene: PlacedScene) -> Iterator[str]:
     """Sentences on measured latches far from what the stiffnesses leave for the hinges, by which they are damped."""
     for line in scene.hinge_lines:
         latch = line.latch
@@ -118,7 +118,7 @@ def contradicted_curves(scene: CheckedScene) -> Iterator[str]:
 
 
 def assembly_lines(
-    scene: CheckedScene, flexible: Mapping[str, bool], mode: WrenchMode
+    scene: PlacedScene, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> tuple[AssemblyHingeLine, ...]:
     """What the master and the key figures need to know of the lines that move."""
     bolted, groups = bolted_lines(scene), scene.group_roots
@@ -157,7 +157,7 @@ def _known(line: HingeLine) -> tuple[float, ...]:
 
 
 def hinge_parts(
-    scene: CheckedScene, line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool], mode: WrenchMode
+    scene: PlacedScene, line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> tuple[Part, ...]:
     """Hinges of a line, each with its share of the line's totals."""
     share, sticks = 1.0 / len(line.hinges), sticking(scene, line)
@@ -272,7 +272,7 @@ def loop_part(loop: Ccl, mode: WrenchMode) -> Part:
     )
 
 
-def damper_part(scene: CheckedScene, damper: Damper, mode: WrenchMode) -> Part:
+def damper_part(scene: PlacedScene, damper: Damper, mode: WrenchMode) -> Part:
     """A damper about the line of its hinge."""
     axis = next(line.axis for line in scene.hinge_lines if damper.hinge in {h.name for h in line.hinges})
     return Part(

@@ -10,12 +10,12 @@ from components.hinge import Hinge
 from components.hold_down import HoldDown
 
 from ..scene.event_tables import Event
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 
 Edge = tuple[str, str]
 
 
-def bolted_lines(scene: CheckedScene) -> frozenset[str]:
+def bolted_lines(scene: PlacedScene) -> frozenset[str]:
     """Names of lines beside a drive, or that close a chain of lines, joints and hold-downs, open without the last."""
     roots = scene.group_roots
     lines, joints, bolts = _lines(scene), _between(scene, Hinge.kind), _between(scene, HoldDown.kind)
@@ -30,7 +30,7 @@ def bolted_lines(scene: CheckedScene) -> frozenset[str]:
     return frozenset(found)
 
 
-def bolts_across(scene: CheckedScene, moved: Collection[str]) -> tuple[str, ...]:
+def bolts_across(scene: PlacedScene, moved: Collection[str]) -> tuple[str, ...]:
     """Names of the hold-downs between bodies that nothing but lines of these names joins."""
     kept = [ends for name, ends in _lines(scene).items() if name not in moved]
     kept += _between(scene, Hinge.kind).values()
@@ -38,7 +38,7 @@ def bolts_across(scene: CheckedScene, moved: Collection[str]) -> tuple[str, ...]
     return tuple(name for name, ends in bolts.items() if not _leads(ends, kept))
 
 
-def without_bolts(scene: CheckedScene, gone: Collection[str]) -> CheckedScene:
+def without_bolts(scene: PlacedScene, gone: Collection[str]) -> PlacedScene:
     """The scene without hold-downs of these names, nor what events do to them or wait for from them."""
     connections = tuple(one for one in scene.connections if one.name not in gone)
     events: list[Event] = []
@@ -54,13 +54,13 @@ def without_bolts(scene: CheckedScene, gone: Collection[str]) -> CheckedScene:
     return replace(scene, connections=connections, events=tuple(events))
 
 
-def _lines(scene: CheckedScene) -> dict[str, Edge]:
+def _lines(scene: PlacedScene) -> dict[str, Edge]:
     """Pieces on both sides of every hinge line."""
     roots = scene.group_roots
     return {line.name: (roots[line.inboard], roots[line.outboard]) for line in scene.hinge_lines}
 
 
-def _between(scene: CheckedScene, kind: str) -> dict[str, Edge]:
+def _between(scene: PlacedScene, kind: str) -> dict[str, Edge]:
     """Pieces on both sides of every connection of a kind that has two."""
     roots = scene.group_roots
     seats = {c.name: [roots[s.body] for s in c.ports.values()] for c in scene.connections if c.kind == kind}

@@ -19,7 +19,7 @@ from ..scene.bodies import attachments, body_definition, body_model
 from ..scene.body_tables import Body
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.coupled_lines import strands
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
 from . import Part
 from .driving import load_laws
@@ -29,7 +29,7 @@ FELT = 0.01
 _SAMPLES = 257
 
 
-def with_second_order(scene: CheckedScene, bending: Mapping[str, bool]) -> dict[str, Body]:
+def with_second_order(scene: PlacedScene, bending: Mapping[str, bool]) -> dict[str, Body]:
     """Bodies by name, with a number of modes of second order where the scene states none.
 
     bending: whether each body has modes in the run; others keep what the scene says.
@@ -56,7 +56,7 @@ def supplies_second_order(body: Body) -> bool:
     return definition.imported is None and not stretches
 
 
-def _chosen(scene: CheckedScene, body: Body, spin: float, load: AxialLoad) -> int:
+def _chosen(scene: PlacedScene, body: Body, spin: float, load: AxialLoad) -> int:
     """Modes from the lowest up to the last one that loads change; all where the body spins (rad/s)."""
     data = _unfiltered(body)
     modes = data.frequency
@@ -119,7 +119,7 @@ def ways_through(data: ModalData, joints: Sequence[Sequence[str]]) -> list[Way]:
     return ways
 
 
-def joint_places(scene: CheckedScene, body: Body) -> list[list[str]]:
+def joint_places(scene: PlacedScene, body: Body) -> list[list[str]]:
     """Points of a body by what holds it or acts on it there: hinge lines with all their hinges, else connections."""
     line_of = {hinge.name: line.name for line in scene.hinge_lines for hinge in line.hinges}
     found: dict[str, list[str]] = {}
@@ -142,7 +142,7 @@ class AxialLoad(NamedTuple):
         return self.force + max(self.slack_strand, self.strands + self.latch_up / span)
 
 
-def axial_loads(scene: CheckedScene) -> dict[str, AxialLoad]:
+def axial_loads(scene: PlacedScene) -> dict[str, AxialLoad]:
     """By weight, inertia and loads, by cable loops along a body and the motors of its wing, which latches take up."""
     until, every, found = scene.header.until, list(strands(scene)), {}
     acceleration = max(
@@ -206,7 +206,7 @@ def second_order_modes(part: Part) -> int:
     return int(np.shape(part.structure["modal"]["second_order_points"])[-1])
 
 
-def fastest_turn(scene: CheckedScene, until: float | None = None) -> float:
+def fastest_turn(scene: PlacedScene, until: float | None = None) -> float:
     """Largest rate (rad/s) of turns that motions of the scene follow, up to a time (s), by default its end."""
     end = scene.header.until if until is None else until
     return max((_largest(motion.laws[1].rate, end) for motion in scene.motions.values()), default=0.0)

@@ -18,7 +18,7 @@ from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member, folder_here
 from fmus.description.units import base_unit, has_root
 
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.schema import SMALLEST_STEP
 from ..scene.signal_tables import Fmu
 from ..scene.table import SceneError
@@ -41,7 +41,7 @@ _IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
 
 
 def signal_fmus(
-    scene: CheckedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
+    scene: PlacedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
 ) -> tuple[SignalFmu, ...]:
     """The FMUs of a scene that have signals; SceneError with everything that they or the components do not know."""
     problems: list[str] = []

@@ -10,7 +10,7 @@ from math import hypot, sqrt
 from typing import NamedTuple
 
 from ..scene.hinge_line_tables import HingeLine, Presliding
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from .driving import driving_load
 
 _BREAKAWAY = 1e-4
@@ -28,7 +28,7 @@ class Sticking(NamedTuple):
     damping: float
 
 
-def sticking(scene: CheckedScene, line: HingeLine) -> Sticking:
+def sticking(scene: PlacedScene, line: HingeLine) -> Sticking:
     """Of a line, the total of its hinges."""
     if line.presliding is None and scene.friction.law == "smooth":
         return Sticking(0.0, 0.0)
@@ -44,14 +44,14 @@ def _travel(line: HingeLine) -> float:
     return max(_LEAST_TRAVEL, line.deployed_angle - line.initial_angle)
 
 
-def _usual_friction(scene: CheckedScene, line: HingeLine) -> float:
+def _usual_friction(scene: PlacedScene, line: HingeLine) -> float:
     """Friction (N.m) of a line: what its tables say, and what its pins have under the loads that drive the scene."""
     loops = (table.loop for table in (line.motor, line.harness) if table is not None)
     hysteresis = sum(max(loop.half, default=0.0) for loop in loops if loop is not None)
     return line.friction_preload + hysteresis + _pin_friction(scene)
 
 
-def _pin_friction(scene: CheckedScene) -> float:
+def _pin_friction(scene: PlacedScene) -> float:
     """Static friction (N.m) of pins under the sum of motors, preloads, loads and weights, each torque at 1 m."""
     pins = scene.friction
     if pins.coefficient == 0.0:

@@ -12,7 +12,7 @@ import tomli_w
 from components import ComponentError
 
 from ..records import short_repr
-from ..scene import CheckedScene, SceneError
+from ..scene import PlacedScene, SceneError
 from ..scene.bodies import body_definition
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class ExportedBody:
         return tomli_w.dumps({"body": [entry]})
 
 
-def export_body(scene: CheckedScene, name: str, path: Path, modes: int | None = None) -> ExportedBody:
+def export_body(scene: PlacedScene, name: str, path: Path, modes: int | None = None) -> ExportedBody:
     """Write a body of a scene, with its attached masses, to an .npz or .op4 file, or to an .asm with .op4 and .pch.
 
     modes: fixed-interface modes to keep, by default the scene's. SceneError where there is nothing to write, or the
@@ -79,7 +79,7 @@ def export_body(scene: CheckedScene, name: str, path: Path, modes: int | None = 
     )
 
 
-def _bending(scene: CheckedScene, name: str) -> Body:
+def _bending(scene: PlacedScene, name: str) -> Body:
     """The body of a name, if it can bend."""
     bodies = {body.name: body for body in scene.bodies}
     if name not in bodies:

@@ -21,7 +21,7 @@ from ..results.attitude import turned_over
 from ..results.earlier import SETTINGS, WAY_OUT, settings_text
 from ..results.earlier import refuse_to_lose as refuse_to_lose_result
 from ..results.result_file import refuse_to_replace, with_messages
-from ..scene import CheckedScene, read_scene
+from ..scene import PlacedScene, read_scene
 from ..scene.component_connections import WrenchMode
 from ..scene.digests import digests
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
@@ -101,7 +101,7 @@ class Options:
         if self.checkpoint is not None and self.master != "implicit":
             raise RunError("only runs of the implicit master have checkpoints; leave one of both out")
 
-    def assemble(self, scene: CheckedScene) -> Assembly:
+    def assemble(self, scene: PlacedScene) -> Assembly:
         """A scene at these fidelities, for this master."""
         mode: WrenchMode = "mean" if self.master == "implicit" else "endpoint"
         return assemble(scene, self.rigid, self.flexible, mode, self.large_deformation)
@@ -116,11 +116,11 @@ class Options:
             snapshot_every=self.checkpoint,
         )
 
-    def asked(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
+    def asked(self, scene: PlacedScene, estimate: bool) -> dict[str, object]:
         """Settings of a run for its checkpoint, as JSON."""
         return {"file": scene.file, "tree": scene.tree, "options": self._plain(), "estimate": estimate}
 
-    def made_with(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
+    def made_with(self, scene: PlacedScene, estimate: bool) -> dict[str, object]:
         """All settings that determine a result, apart from its scene, as JSON; processes do not change it."""
         options = self._plain()
         del options["isolate"]
@@ -151,7 +151,7 @@ class Simulation:
 
 
 def simulate(
-    scene: CheckedScene,
+    scene: PlacedScene,
     options: Options,
     output: Path | None = None,
     *,
@@ -219,7 +219,7 @@ def _missing_parts(options: Options) -> Iterator[str]:
     yield from (message(code, sentence) for code, sentence in sentences.items() if sentence)
 
 
-def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
+def _before(scene: PlacedScene, options: Options, assembly: Assembly) -> Iterator[str]:
     """Warnings about a scene before it is run."""
     yield from warnings_before_run(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
     yield from coded(
@@ -229,7 +229,7 @@ def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterat
     yield from coded("W-preload", let_go_at_start(assembly))
 
 
-def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
+def _after(scene: PlacedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
     """Warnings about a run."""
     if options.step is not None and outcome.costs.rejected:
         yield message("W-step-divided", _divided(assembly, options.step, outcome))
@@ -291,7 +291,7 @@ def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[st
         )
 
 
-def refuse_to_lose(path: Path, scene: CheckedScene, options: Options, estimate: bool) -> None:
+def refuse_to_lose(path: Path, scene: PlacedScene, options: Options, estimate: bool) -> None:
     """ResultError or RunError where a file is no result of such a run, or is one to go on with, and would be lost."""
     refuse_to_replace(path)
     if path.is_file() and checkpoint_file(path).is_file():

@@ -19,7 +19,7 @@ from .data_sheets import with_entries
 from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, plugin_files, read_layers, resolved, with_absolute_files
-from .placed_scene import CheckedScene
+from .placed_scene import PlacedScene
 from .plugins.trust import trust_programs
 from .reader import check_layers, find_scene, variant_problems
 from .schema import Header
@@ -89,7 +89,7 @@ class Scene:
         self._layers, self._of_result = layers, of_result
         self._variants: tuple[str, ...] = ()
         self._settings: tuple[tuple[str, Any], ...] = ()
-        self._checked: CheckedScene | None = None
+        self._checked: PlacedScene | None = None
         self._accepted = frozenset()
 
     @property
@@ -250,7 +250,7 @@ class Scene:
         )
         return name
 
-    def check(self) -> CheckedScene:
+    def check(self) -> PlacedScene:
         """Checked records of the scene; SceneError with every problem of it."""
         if self._checked is None:
             layers = deepcopy(self._layers)  # what is added later must not get into the records
@@ -265,7 +265,7 @@ class Scene:
         """Problems of each variant when it alone is applied, as sentences."""
         return variant_problems(self._layers, sorted(self._accepted))
 
-    def check_one_run(self) -> CheckedScene:
+    def check_one_run(self) -> PlacedScene:
         """Checked records of the scene; SceneError also if it runs in phases and none is chosen."""
         runs = self.runs
         if len(runs) > 1 or "" not in runs:

@@ -16,7 +16,7 @@ from .component_connections import first_number
 from .connection_tables import Damper
 from .event_tables import Event
 from .hinge_line_tables import HingeLine
-from .placed_scene import CheckedScene
+from .placed_scene import PlacedScene
 
 _PARALLEL = 0.5
 """Cosine between the axes of two pulleys, below which no cable leads one by the other."""
@@ -123,7 +123,7 @@ def misdirected(base: str, lines: Iterable[HingeLine], placed: Collection[str]) 
             yield f"body.{body}.place: hinge lines carry this body, so its place follows from them; leave it out"
 
 
-def carried_along(scene: CheckedScene) -> Iterator[str]:
+def carried_along(scene: PlacedScene) -> Iterator[str]:
     """Held lines that make a body part of what moves by a law, whose loads would lack the body's inertia."""
     for line in scene.hinge_lines:
         if line.held and (root := scene.group_roots[line.outboard]) in scene.motions:
@@ -148,7 +148,7 @@ def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -
             )
 
 
-def impossible_loops(scene: CheckedScene) -> Iterator[str]:
+def impossible_loops(scene: PlacedScene) -> Iterator[str]:
     """Cable loops around pulleys that, when stowed, face away or of which one lies within the other."""
     points, poses = scene.points, scene.poses
     for loop in scene.loops:
@@ -175,7 +175,7 @@ def impossible_loops(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def open_hinges(scene: CheckedScene) -> Iterator[str]:
+def open_hinges(scene: PlacedScene) -> Iterator[str]:
     """Hinges whose two points do not meet when stowed, because they are not on one line along the axis."""
     points, poses = scene.points, scene.poses
     for line in scene.hinge_lines:
@@ -194,7 +194,7 @@ def open_hinges(scene: CheckedScene) -> Iterator[str]:
                 )
 
 
-def buried_contacts(scene: CheckedScene) -> Iterator[str]:
+def buried_contacts(scene: PlacedScene) -> Iterator[str]:
     """Contacts that start deeper than a force could have pressed them."""
     roots = scene.group_roots
     for connection in scene.connections:

@@ -8,10 +8,10 @@ from components.contract.regular import content_digest
 
 from .bodies import body_files
 from .layers import files_besides
-from .placed_scene import CheckedScene
+from .placed_scene import PlacedScene
 
 
-def digests(scene: CheckedScene) -> dict[str, str]:
+def digests(scene: PlacedScene) -> dict[str, str]:
     """SHA-256 of the content of every such file by its path, empty where one cannot be read."""
     named = [Path(path) for path in files_besides(dict(scene.tree))]
     read = [path for body in scene.bodies for path in body_files(body)]

@@ -23,7 +23,7 @@ from ..records import short_repr
 from .bodies import StartPose
 from .loops.constraints import Constraint, Matrix, hinge_constraints
 from .loops.initial_assembly import Weight, close, displaced, jacobian
-from .placed_scene import CheckedScene
+from .placed_scene import PlacedScene
 
 _RANK = 1e-5
 _AWAY = 0.01
@@ -92,13 +92,13 @@ class Constraints:
             )
 
 
-def singular_start_warnings(scene: CheckedScene) -> Iterator[str]:
+def singular_start_warnings(scene: PlacedScene) -> Iterator[str]:
     """A message where joints close loops and the scene starts in a singular position."""
     if any(connection.preset is not None for connection in scene.connections):
         yield from find_constraints(scene).singular_start()
 
 
-def find_constraints(scene: CheckedScene) -> Constraints:
+def find_constraints(scene: PlacedScene) -> Constraints:
     """Constraints of a scene where it starts."""
     poses = scene.poses
     found = [*scene.constraints, *hinge_constraints(scene.hinge_lines, scene.points)]

@@ -20,7 +20,7 @@ from components.contract.frames import (
 from components.flexible.modal import ModalData
 
 from .bodies import Attachment, StartPose
-from .placed_scene import CheckedScene
+from .placed_scene import PlacedScene
 
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -57,7 +57,7 @@ class RigidGroup:
 
 
 def rigid_groups(
-    scene: CheckedScene, found: Sequence[Attachment], poses: Mapping[str, StartPose]
+    scene: PlacedScene, found: Sequence[Attachment], poses: Mapping[str, StartPose]
 ) -> dict[str, RigidGroup]:
     """Every group by its root, with the ports of the connections that do not stay within it."""
     roots = scene.group_roots

@@ -39,7 +39,7 @@ _STAGES = 16
 """Positions on the way to where motions lead, so that loops stay on the side where they start."""
 
 
-class CheckedScene(SceneTables):
+class PlacedScene(SceneTables):
     """A scene file that was read and found consistent, with its geometry; each property is computed once.
 
     Points are positions (m) in the construction frame of their body, poses are those of this frame in the world.

@@ -26,7 +26,7 @@ from .hinge_line_tables import Friction, HingeLine, Joint
 from .joint_presets import with_presets
 from .layers import Layers, Setting, Tree, data_files, plugin_files, read_layers, resolved
 from .loops.initial_assembly import open_loops
-from .placed_scene import CheckedScene
+from .placed_scene import PlacedScene
 from .plugins import loading
 from .plugins.trials import plugin_problems
 from .schema import Header
@@ -78,7 +78,7 @@ def find_scene(name_or_path: str) -> Path:
     )
 
 
-def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[Setting] = ()) -> CheckedScene:
+def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[Setting] = ()) -> PlacedScene:
     """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it."""
     return check_layers(read_layers(path, find_scene), variants, settings)
 
@@ -89,7 +89,7 @@ def check_layers(
     settings: Sequence[Setting] = (),
     accepted: Collection[str] = (),
     of_result: bool = False,
-) -> CheckedScene:
+) -> PlacedScene:
     """The scene of layers with variants and settings; SceneError with everything that is wrong with them.
 
     Variants that are not chosen are looked at where something is wrong, and by `variant_problems`. accepted: paths of
@@ -165,7 +165,7 @@ def scene_variants(path: Path) -> tuple[str, ...]:
     return tuple(read_layers(path, find_scene).variants)
 
 
-def read_scene(file: str, tree: Tree, of_result: bool = False) -> CheckedScene:
+def read_scene(file: str, tree: Tree, of_result: bool = False) -> PlacedScene:
     """Check a tree of tables; SceneError with everything that is wrong with it.
 
     of_result: whether a result holds it, whose plugins are not loaded; see `plugins.loading.refusal_of_result`.
@@ -185,7 +185,7 @@ def whole_tree(tree: Tree) -> Tree:
 
 def _checked(
     file: str, tree: Tree, added: Collection[str] = (), plugins: Collection[str] = ()
-) -> tuple[CheckedScene | None, list[str]]:
+) -> tuple[PlacedScene | None, list[str]]:
     """The scene of a tree with these plugins loaded, None where it has problems, and these."""
     known = sorted({*TABLES, *ARRAYS})
     mistyped = [key for key in tree if key not in known]
@@ -214,7 +214,7 @@ def _checked(
     if base is None or not placed:
         return None, _told(reader.problems, unlike)
     # where bodies stand and touch can be told whatever else is wrong
-    scene = CheckedScene(
+    scene = PlacedScene(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound, events.sound, fmus.sound,
     )  # fmt: skip

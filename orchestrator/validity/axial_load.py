@@ -14,7 +14,7 @@ from components.moving_base import MovingBase
 from ..assembly import Assembly, Part
 from ..assembly.second_order import all_second_order, joint_places, second_order_modes, ways_through
 from ..results.result import Result
-from ..scene import CheckedScene
+from ..scene import PlacedScene
 from ..scene.body_tables import Body
 from .holding_points import holding_points
 
@@ -24,7 +24,7 @@ of latch torques."""
 Rows = NDArray[np.float64]
 
 
-def axial_load_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+def axial_load_warnings(scene: PlacedScene, assembly: Assembly, result: Result) -> Iterator[str]:
     """A sentence for each body that a joint compresses with 2 % of Euler's load of its first-order modes or more."""
     parts = {part.name: part for part in assembly.parts}
     for body in scene.bodies:

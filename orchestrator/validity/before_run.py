@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from ..assembly import Assembly
 from ..assembly.hinges import unfollowed_curves
 from ..messages import coded
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.plausible import Plausible
 from .bodies import body_warnings, unlike_rigid_models
 from .cable_loops import loop_warnings
@@ -21,7 +21,7 @@ _MOST_STEPS = 1e6
 """Of a run, that take minutes at the least."""
 
 
-def scene_warnings(scene: CheckedScene) -> list[str]:
+def scene_warnings(scene: PlacedScene) -> list[str]:
     """All warnings about a scene, with their keys."""
     kinds = (
         _steps,
@@ -35,7 +35,7 @@ def scene_warnings(scene: CheckedScene) -> list[str]:
     return [sentence for warnings in kinds for sentence in warnings(scene)]
 
 
-def warnings_before_run(scene: CheckedScene, assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
+def warnings_before_run(scene: PlacedScene, assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
     """All warnings about a scene, and about its assembly with these bodies flexible."""
     yield from scene_warnings(scene)
     yield from signal_fmu_warnings(assembly, scene)
@@ -43,7 +43,7 @@ def warnings_before_run(scene: CheckedScene, assembly: Assembly, bending: Collec
     yield from coded("W-rigid-twin", unlike_rigid_models(scene, bending))
 
 
-def _steps(scene: CheckedScene) -> Iterator[str]:
+def _steps(scene: PlacedScene) -> Iterator[str]:
     """Largest steps and steps of FMUs that are a very small part of the run, or longer than it."""
     until = scene.header.until
     shortest = until / _MOST_STEPS

@@ -14,7 +14,7 @@ from components.flexible.plate import Panel
 from ..messages import coded
 from ..scene.bodies import body_definition, body_model
 from ..scene.body_tables import Body, Inertial
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.plausible import Plausible
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ Derived = tuple[str, float, Plausible]
 """What a quantity computed from a table is, its value, and its range."""
 
 
-def body_warnings(scene: CheckedScene) -> Iterator[str]:
+def body_warnings(scene: PlacedScene) -> Iterator[str]:
     """The first implausible quantity of each body, and membranes with a coarse mesh."""
     for key, quantities in _quantities(scene):
         found = (
@@ -55,7 +55,7 @@ def body_warnings(scene: CheckedScene) -> Iterator[str]:
     yield from coded("W-membrane-mesh", _coarse_membranes(scene))
 
 
-def _quantities(scene: CheckedScene) -> Iterator[tuple[str, Iterable[Derived]]]:
+def _quantities(scene: PlacedScene) -> Iterator[tuple[str, Iterable[Derived]]]:
     """Keys of bodies and what is computed from their tables."""
     if scene.base.free is not None:
         yield "base.free", _of_inertia(scene.base.free, scene.base.points.values())
@@ -102,7 +102,7 @@ def _first_bending(bending: float, mass: float, length: float) -> float:
     return float(_FIRST_BENDING / (2.0 * np.pi) * np.sqrt(bending / (mass * length**4)))
 
 
-def unlike_rigid_models(scene: CheckedScene, bending: Collection[str]) -> Iterator[str]:
+def unlike_rigid_models(scene: PlacedScene, bending: Collection[str]) -> Iterator[str]:
     """Flexible bodies whose rigid twin, which latch inertias follow from, has another mass."""
     for body in scene.bodies:
         if body.name in bending and body.rigid_twin:
@@ -114,7 +114,7 @@ def unlike_rigid_models(scene: CheckedScene, bending: Collection[str]) -> Iterat
                 )
 
 
-def _coarse_membranes(scene: CheckedScene) -> Iterator[str]:
+def _coarse_membranes(scene: PlacedScene) -> Iterator[str]:
     """Membranes with elements longer than the bending length sqrt(D / T) near a held rim."""
     for body in scene.bodies:
         panel = panel_of(body)

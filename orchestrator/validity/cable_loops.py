@@ -11,13 +11,13 @@ from components.contract.frames import Vector3, cross, norm
 from ..messages import coded
 from ..scene.connection_tables import Ccl
 from ..scene.loops.coupled_lines import body_between, turning
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 
 _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 
 
-def loop_warnings(scene: CheckedScene) -> Iterator[str]:
+def loop_warnings(scene: PlacedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-loop-data", _unlike_travels(scene))
     yield from coded("W-loop-data", _askew_loops(scene))
@@ -34,7 +34,7 @@ class Travels(NamedTuple):
         return abs(loop.pulley_1.radius * self.first - loop.pulley_2.radius * self.second)
 
 
-def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
+def loop_travels(scene: PlacedScene, loop: Ccl) -> Travels | None:
     """The travels that a loop couples; None if no single body is between its pulleys."""
     bodies = loop.pulley_1.body, loop.pulley_2.body
     carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
@@ -48,7 +48,7 @@ def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
     return Travels(first - middle, second - middle)
 
 
-def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
+def _unlike_travels(scene: PlacedScene) -> Iterator[str]:
     """Loops whose radii do not fit their travels, so that a strand goes slack."""
     for loop in scene.loops:
         travels = loop_travels(scene, loop)
@@ -66,7 +66,7 @@ def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
         )
 
 
-def _askew_loops(scene: CheckedScene) -> Iterator[str]:
+def _askew_loops(scene: PlacedScene) -> Iterator[str]:
     """Cable loops whose axis is not parallel to that of the lines between their pulleys."""
     for loop in scene.loops:
         ways = [list(scene.lines_inward(pulley.body)) for pulley in (loop.pulley_1, loop.pulley_2)]

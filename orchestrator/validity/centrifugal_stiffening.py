@@ -10,10 +10,10 @@ from components.flexible.modal import ModalData
 
 from ..assembly import Assembly
 from ..assembly.second_order import FELT, fastest_turn, held_frequency, joint_places, second_order_modes
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 
 
-def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
+def unstiffened_spins(scene: PlacedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
     """A sentence for each flexible body with first-order modes that a motion law spins fast.
 
     until: s; by default the end of the scene.
@@ -24,7 +24,7 @@ def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | No
 
 
 def unstiffened_rates(
-    scene: CheckedScene, assembly: Assembly, rates: Mapping[str, float], how: str = "up to"
+    scene: PlacedScene, assembly: Assembly, rates: Mapping[str, float], how: str = "up to"
 ) -> Iterator[str]:
     """A sentence for each flexible body with first-order modes that spins fast.
 

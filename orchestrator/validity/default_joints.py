@@ -12,7 +12,7 @@ from components.hinge import Hinge
 
 from ..assembly.statics.linear_model import LinearModel, NormalModes
 from ..assembly.statics.mechanism import Mechanism
-from ..scene import CheckedScene
+from ..scene import PlacedScene
 from ..scene.hinge_line_tables import Joint
 from ..scene.joint_presets import CONSTRAINED
 from ..scene.reader import whole_tree
@@ -24,7 +24,7 @@ _MODES = 6
 _NAMED = 3
 
 
-def default_joint_warnings(scene: CheckedScene, model: LinearModel, modes: NormalModes) -> Iterator[str]:
+def default_joint_warnings(scene: PlacedScene, model: LinearModel, modes: NormalModes) -> Iterator[str]:
     """A sentence for the first mode that depends most on default joint stiffness, if that is above a tenth."""
     if np.iscomplexobj(modes.shapes):
         return
@@ -47,7 +47,7 @@ def default_joint_warnings(scene: CheckedScene, model: LinearModel, modes: Norma
     )
 
 
-def _stiff_by_default(scene: CheckedScene) -> Iterator[tuple[str, Vector]]:
+def _stiff_by_default(scene: PlacedScene) -> Iterator[tuple[str, Vector]]:
     """Joints with their stiffness (6,) along and about their axes, zero where the scene states it."""
     default, stated = Joint(), scene.joint.model_fields_set
     axial, radial, cross = (

@@ -8,16 +8,16 @@ from components.hold_down import HoldDown
 
 from ..messages import coded
 from ..scene.component_connections import first_number
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 
 
-def idle_part_warnings(scene: CheckedScene) -> Iterator[str]:
+def idle_part_warnings(scene: PlacedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-idle-load", _without_load(scene))
     yield from coded("W-idle-load", _released_too_late(scene))
 
 
-def _without_load(scene: CheckedScene) -> Iterator[str]:
+def _without_load(scene: PlacedScene) -> Iterator[str]:
     """Loads without a law that nothing sets during the run."""
     outputs = [target for fmu in scene.fmus for name in fmu.outputs for target in fmu.targets(name)]
     driven = {target.partition(".")[0] for target in outputs}.union(*(event.set for event in scene.events))
@@ -30,7 +30,7 @@ def _without_load(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _released_too_late(scene: CheckedScene) -> Iterator[str]:
+def _released_too_late(scene: PlacedScene) -> Iterator[str]:
     """Hold-downs that are released after the end of the run."""
     for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
         release = first_number(bolt, "release_time")

@@ -15,7 +15,7 @@ from ..assembly import Assembly, Part
 from ..assembly.fidelities import has_beam
 from ..messages import coded, message
 from ..results.result import Result
-from ..scene import CheckedScene
+from ..scene import PlacedScene
 from .bodies import panel_of
 from .centrifugal_stiffening import unstiffened_rates, unstiffened_spins
 from .holding_points import holding_points
@@ -45,7 +45,7 @@ class _Turn(NamedTuple):
     time: float
 
 
-def linear_range_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+def linear_range_warnings(scene: PlacedScene, assembly: Assembly, result: Result) -> Iterator[str]:
     """A message for each body that deformed or spun beyond the range of its model."""
     yield from _bent_plates(scene, assembly, result)
     yield from coded("W-large-rotation", _turned_bodies(scene, assembly, result))
@@ -63,7 +63,7 @@ def _mean_rate(result: Result, body: str) -> float:
     return float(np.sqrt(squares.sum() / max(time[-1] - time[0], np.finfo(float).tiny)))
 
 
-def _turned_bodies(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+def _turned_bodies(scene: PlacedScene, assembly: Assembly, result: Result) -> Iterator[str]:
     """A sentence for each body whose modes rotated its points relative to one another beyond their range."""
     bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
@@ -99,7 +99,7 @@ def _some_rows(count: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, count - 1, min(count, _MOST_ROWS)).astype(np.int64))
 
 
-def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+def _bent_plates(scene: PlacedScene, assembly: Assembly, result: Result) -> Iterator[str]:
     """A message for each linear plate that bent by more than its thickness between its joints.
 
     It is a note where the scene states that the plate is linear.

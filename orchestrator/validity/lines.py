@@ -17,7 +17,7 @@ from ..messages import coded, message
 from ..scene.connection_tables import Connection
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.coupled_lines import CoupledLines
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.plausible import Plausible
 from .bodies import panel_of
 
@@ -33,7 +33,7 @@ _WOUND = Plausible("W-end-data", "deg", most=3.0, reason="milliradians are usual
 _PRESSED = Plausible("W-end-data", "deg", most=30.0)
 
 
-def line_warnings(scene: CheckedScene) -> Iterator[str]:
+def line_warnings(scene: PlacedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-no-end", _unstopped(scene))
     yield from coded("W-motor-short", _held_by_friction(scene))
@@ -45,7 +45,7 @@ def line_warnings(scene: CheckedScene) -> Iterator[str]:
     yield from coded("W-free-slide", _free_along_the_line(scene))
 
 
-def _unstopped(scene: CheckedScene) -> Iterator[str]:
+def _unstopped(scene: PlacedScene) -> Iterator[str]:
     """Lines that a motor opens, without a latch or a stop, also none that is a connection between their bodies."""
     stopped = [
         {seat.body for seat in one.ports.values()} for one in scene.connections if one.kind == EndStop.kind
@@ -59,7 +59,7 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _ends_and_friction(scene: CheckedScene) -> Iterator[str]:
+def _ends_and_friction(scene: PlacedScene) -> Iterator[str]:
     """End stops before the latch or too soft, presliding friction that is too soft or none."""
     for line in scene.hinge_lines:
         key, stop = f"hinge_line.{line.name}", line.end_stop
@@ -80,7 +80,7 @@ def _ends_and_friction(scene: CheckedScene) -> Iterator[str]:
             yield message("W-friction-data", f"{key}.presliding: {words}")
 
 
-def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
+def _held_by_friction(scene: PlacedScene) -> Iterator[str]:
     """Lines, coupled lines together, whose friction and harness exceed the motor torque at some angle."""
     motors = [line.name for line in scene.hinge_lines if line.motor is not None and not line.held]
     groups = [group for group in scene.coupled_lines if not group.drives]
@@ -106,7 +106,7 @@ class _Short(NamedTuple):
     taken: float
 
 
-def _first_short(scene: CheckedScene, rates: Mapping[str, float]) -> _Short | None:
+def _first_short(scene: PlacedScene, rates: Mapping[str, float]) -> _Short | None:
     """The first angle at which resistance exceeds the drive; rates: of all coupled lines, relative to the first."""
     lines = {line.name: line for line in scene.hinge_lines}
     given, taken = np.zeros(_ANGLES), np.zeros(_ANGLES)
@@ -134,7 +134,7 @@ def _angles(line: HingeLine) -> Vector:
     return np.linspace(line.initial_angle, max(line.initial_angle, line.deployed_angle), _ANGLES)
 
 
-def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
+def _beyond_tables(scene: PlacedScene) -> Iterator[str]:
     """Lines that travel beyond the tables of their motor or harness."""
     for line in scene.hinge_lines:
         low, high = sorted((line.initial_angle, line.deployed_angle))
@@ -153,7 +153,7 @@ def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
                     )
 
 
-def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
+def _damped_by_few(scene: PlacedScene) -> Iterator[str]:
     """Latches of lines in closed loops whose damping counts only bodies that hinge lines carry."""
     if scene.structural_damping is not None:
         return
@@ -176,7 +176,7 @@ def _joins(joint: Connection, bodies: Collection[str]) -> bool:
     return any(seat.body in bodies for seat in joint.ports.values())
 
 
-def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
+def _free_along_the_line(scene: PlacedScene) -> Iterator[str]:
     """Lines with cylindrical hinges only, whose body slides, as nothing else holds it."""
     if scene.loops or scene.connections:
         return
@@ -188,7 +188,7 @@ def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _through_one_another(scene: CheckedScene) -> Iterator[str]:
+def _through_one_another(scene: PlacedScene) -> Iterator[str]:
     """Folded panels that open through each other."""
     points, panels = scene.points, {body.name for body in scene.bodies if panel_of(body) is not None}
     for line in scene.hinge_lines:

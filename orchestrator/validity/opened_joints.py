@@ -12,7 +12,7 @@ from components.contract.frames import norm, subtract
 
 from ..assembly import Assembly
 from ..results.result import Result
-from ..scene import CheckedScene
+from ..scene import PlacedScene
 
 _FAR = 1e-3
 """Of the largest distance of two points of a body that a joint holds: motion is wrong by as much."""
@@ -27,7 +27,7 @@ class _Opened(NamedTuple):
     force: float
 
 
-def opened_joint_warnings(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+def opened_joint_warnings(scene: PlacedScene, assembly: Assembly, result: Result) -> Iterator[str]:
     """A sentence for the joint that opened farthest relative to its bodies, if beyond the limit."""
     sizes, beside = _sizes(scene), dict[str, float]()
     for link in assembly.links:
@@ -57,7 +57,7 @@ def _led(leading: list[str]) -> str:
     )
 
 
-def _sizes(scene: CheckedScene) -> dict[str, float]:
+def _sizes(scene: PlacedScene) -> dict[str, float]:
     """Largest distance (m) between two points of every body."""
     return {
         name: max((norm(subtract(a, b)) for a, b in combinations(points.values(), 2)), default=0.0)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from ..assembly import Assembly, Event, HingeLine, SignalFmu
 from ..messages import coded
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.signal_tables import Fmu
 
 
-def signal_fmu_warnings(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
+def signal_fmu_warnings(assembly: Assembly, scene: PlacedScene) -> Iterator[str]:
     """All warnings about FMUs of other tools in a scene."""
     tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
     for fmu in assembly.signal_fmus:

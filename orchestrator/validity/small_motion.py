@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from ..assembly.statics.steady_spin import turning_at
-from ..scene import CheckedScene
+from ..scene import PlacedScene
 
 
-def left_out(scene: CheckedScene, rigid: Collection[str], spinning: bool) -> Iterator[str]:
+def left_out(scene: PlacedScene, rigid: Collection[str], spinning: bool) -> Iterator[str]:
     """Sentences on large-deformation beams, which are modal in analyses, and on present and later spin.
 
     rigid: names of rigid bodies, or "all". spinning: the analysis linearises about the steady spin of a base.

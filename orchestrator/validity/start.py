@@ -19,7 +19,7 @@ from ..messages import coded, message
 from ..scene.component_connections import first_number
 from ..scene.connection_tables import Connection
 from ..scene.freedoms import singular_start_warnings
-from ..scene.placed_scene import CheckedScene
+from ..scene.placed_scene import PlacedScene
 from ..scene.plausible import Plausible
 
 _OFF = Plausible("W-rail-start", "mm", most=1.0, check="Correct initial_offset.")
@@ -38,7 +38,7 @@ _NO_RATE = 1e-9
 """m/s and rad/s, that laws leave which begin at rest, such as a cosine."""
 
 
-def start_warnings(scene: CheckedScene) -> Iterator[str]:
+def start_warnings(scene: PlacedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-hold-down-start", _bolted_on_the_way(scene))
     yield from _strained_rails(scene)
@@ -52,7 +52,7 @@ def start_warnings(scene: CheckedScene) -> Iterator[str]:
         yield from coded("W-start-blow", _sudden_loads(scene))
 
 
-def _sudden_loads(scene: CheckedScene) -> Iterator[str]:
+def _sudden_loads(scene: PlacedScene) -> Iterator[str]:
     """Preloads, weight and loads that act suddenly at the start."""
     groups = scene.group_roots
     preloads = [
@@ -86,7 +86,7 @@ def _acts_at_start(load: Connection) -> bool:
     return any(law.value(0.0) != 0.0 for law in load_laws(load))
 
 
-def _strained_rails(scene: CheckedScene) -> Iterator[str]:
+def _strained_rails(scene: PlacedScene) -> Iterator[str]:
     """Rails without stiffness, and rails that start off their plane."""
     for rail, started in _started(scene, Rail.kind):
         stiffness, force = started.parameter("normal_stiffness"), float(started.observed()["normal_force"][0])
@@ -100,7 +100,7 @@ def _strained_rails(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _wound_drives(scene: CheckedScene) -> Iterator[str]:
+def _wound_drives(scene: PlacedScene) -> Iterator[str]:
     """Drives whose bodies start away from the commanded angle."""
     for drive, started in _started(scene, Drive.kind):
         told = {name: float(value[0]) for name, value in started.observed().items()}
@@ -111,7 +111,7 @@ def _wound_drives(scene: CheckedScene) -> Iterator[str]:
         )
 
 
-def _started(scene: CheckedScene, kind: str) -> Iterator[tuple[Connection, Instance]]:
+def _started(scene: PlacedScene, kind: str) -> Iterator[tuple[Connection, Instance]]:
     """Connections of a kind, and their components where they start."""
     for one in (one for one in scene.connections if one.kind == kind):
         started = scene.seated(one)
@@ -119,7 +119,7 @@ def _started(scene: CheckedScene, kind: str) -> Iterator[tuple[Connection, Insta
         yield one, started
 
 
-def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
+def _bolted_on_the_way(scene: PlacedScene) -> Iterator[str]:
     """Hold-downs across lines that start away from their stowed angle."""
     for line in scene.hinge_lines:
         away = line.initial_angle - line.stowed_angle
@@ -132,7 +132,7 @@ def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
+def _open_at_the_start(scene: PlacedScene) -> Iterator[str]:
     """Joints of loops that the start angles leave open."""
     for name, size in scene.left_open.items():
         if size > _CLOSED:
@@ -143,7 +143,7 @@ def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
+def _turned_to_close(scene: PlacedScene) -> Iterator[str]:
     """Placed bodies that joints rotate far from their placed attitude."""
     bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
     for name, angle in scene.closed.turned.items() if bare else ():
@@ -156,7 +156,7 @@ def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
+def _moving_from_rest(scene: PlacedScene) -> Iterator[str]:
     """Motion laws with an initial rate in a start from static equilibrium."""
     if not scene.header.preload:
         return
@@ -167,7 +167,7 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
         )
 
 
-def turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
+def turned_from_the_world(scene: PlacedScene) -> Iterator[str]:
     """Bases that a motion law rotates at the start, while bodies are placed in the world."""
     placed = [body.name for body in scene.bodies if body.place is not None]
     if scene.base.motion is None or not placed:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.scene import CheckedScene, read_scene
+from orchestrator.scene import PlacedScene, read_scene
 from tests.references.random_bodies import Dice, Piece, Table, random_pieces, rounded, sides
 
 BODIES = (2, 6)
@@ -72,7 +72,7 @@ def _radians(angle: float) -> str:
     return f"{angle!r} rad"
 
 
-def load_wing(seed: int, bodies: tuple[int, int] = BODIES, *, stops: bool = False) -> CheckedScene:
+def load_wing(seed: int, bodies: tuple[int, int] = BODIES, *, stops: bool = False) -> PlacedScene:
     """The wing of a seed as a checked scene, with latches or with end stops in place of most."""
     return read_scene(f"random_wing_{seed}.toml", random_wing(seed, bodies, stops=stops))
 

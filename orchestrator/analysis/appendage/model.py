@@ -23,7 +23,7 @@ from components.contract.roles import HOLD
 from ...assembly.statics.configuration import Configuration, hinges_of, lines_named, loaded, placed
 from ...assembly.statics.linear_model import LinearModel, NormalModes, damping_matrix, linearise, normal_modes
 from ...records import short_repr
-from ...scene import CheckedScene, SceneError
+from ...scene import PlacedScene, SceneError
 from ...scene.builder import Names
 
 
@@ -136,7 +136,7 @@ class Appendage:
 
 
 def find_appendages(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -185,7 +185,7 @@ def _matrices(
     )
 
 
-def _places(scene: CheckedScene, model: LinearModel, names: Sequence[str]) -> dict[str, Vector]:
+def _places(scene: PlacedScene, model: LinearModel, names: Sequence[str]) -> dict[str, Vector]:
     """Positions (3,) of points of the base by name."""
     base, given = scene.base.name, model.mechanism.bodies[scene.base.name]
     if not names:
@@ -207,7 +207,7 @@ def _places(scene: CheckedScene, model: LinearModel, names: Sequence[str]) -> di
     }
 
 
-def _refuse_unstable(scene: CheckedScene, modes: NormalModes) -> None:
+def _refuse_unstable(scene: PlacedScene, modes: NormalModes) -> None:
     growing = modes.frequencies[~modes.is_free & (modes.eigenvalues < 0.0)]
     if growing.size:
         raise SceneError(

@@ -20,7 +20,7 @@ from ...results.result import Result, ResultError
 from ...scene.bodies import body_definition, body_model
 from ...scene.body_tables import Body
 from ...scene.layers import Tree
-from ...scene.placed_scene import CheckedScene
+from ...scene.placed_scene import PlacedScene
 from ...scene.reader import read_scene
 from .body_acceleration import acceleration_field
 
@@ -83,7 +83,7 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
     return BodyStress(model.plate, recovery, coordinates, slopes, prestress, displacement)
 
 
-def scene_of(result: Result) -> CheckedScene:
+def scene_of(result: Result) -> PlacedScene:
     """The scene that a result holds, without its plugins; ResultError where it holds none, SceneError for a bad one."""
     return read_scene(f"{result.name} (scene)", scene_tree(result), of_result=True)
 
@@ -113,7 +113,7 @@ def _tensions(forms: Vector, eta: Vector) -> Vector:
     return found
 
 
-def bending_body(result: Result, body: str) -> tuple[CheckedScene, Body]:
+def bending_body(result: Result, body: str) -> tuple[PlacedScene, Body]:
     """The scene that a result holds, and its table of a body; ResultError where the body did not bend."""
     scene = scene_of(result)
     table = next((table for table in scene.bodies if table.name == body), None)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...scene import CheckedScene, SceneError
+from ...scene import PlacedScene, SceneError
 from ...scene.builder import Scene
 from .rules import LIMIT, RULES, Found, Torques, margins
 from .standard import FACTORS, FactorKind
@@ -58,7 +58,7 @@ class TorqueMargin:
         }
 
 
-def margin_cases(scene: Scene, names: Sequence[str] = ()) -> dict[str, CheckedScene]:
+def margin_cases(scene: Scene, names: Sequence[str] = ()) -> dict[str, PlacedScene]:
     """Scenes by case: the variants named, "base" for none; by default the scene, and its variant "cold" if any.
 
     SceneError where it runs in phases and none is chosen, whose cases would not be one.
@@ -74,7 +74,7 @@ def margin_cases(scene: Scene, names: Sequence[str] = ()) -> dict[str, CheckedSc
 
 
 def torque_margin(
-    cases: Mapping[str, CheckedScene],
+    cases: Mapping[str, PlacedScene],
     positions: int = 19,
     factors: FactorKind = "theoretical",
     friction: FrictionKind = "sliding",
@@ -88,7 +88,7 @@ def torque_margin(
     return TorqueMargin(factors, friction, tuple(found), without, left_out)
 
 
-def _refuse_unknown_lines(cases: Mapping[str, CheckedScene], extra: Mapping[str, object]) -> None:
+def _refuse_unknown_lines(cases: Mapping[str, PlacedScene], extra: Mapping[str, object]) -> None:
     for case in cases.values():
         known = [line.name for line in opened_lines(case)]
         problems = [
@@ -101,7 +101,7 @@ def _refuse_unknown_lines(cases: Mapping[str, CheckedScene], extra: Mapping[str,
 
 
 def find_margins(
-    cases: Mapping[str, CheckedScene],
+    cases: Mapping[str, PlacedScene],
     positions: int,
     factors: FactorKind = "theoretical",
     friction: FrictionKind = "sliding",

@@ -17,7 +17,7 @@ from ...results.key_figures import latch_times
 from ...results.result import Result
 from ...run.progress import Progress, followed, silent
 from ...run.run import run
-from ...scene import CheckedScene, SceneError
+from ...scene import PlacedScene, SceneError
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.units import to_si
 from .rules import LineTorques, Torques
@@ -74,7 +74,7 @@ class CaseRestart(NamedTuple):
         return [{**place, **asdict(line), "opens": line.opens} for line in self.lines]
 
 
-def restart_share(scene: CheckedScene, position: str) -> float:
+def restart_share(scene: PlacedScene, position: str) -> float:
     """Share of the travel (0 to 1) of "50%" or "45 deg", an angle of the first line that has a motor.
 
     SceneError where it is neither, or does not lie within the travel, or none is left.
@@ -100,7 +100,7 @@ def restart_share(scene: CheckedScene, position: str) -> float:
     return share
 
 
-def restart_shares(scene: CheckedScene, positions: Sequence[str]) -> dict[str, float]:
+def restart_shares(scene: PlacedScene, positions: Sequence[str]) -> dict[str, float]:
     """Share of the travel by position; SceneError where two of them are the same, whose files would be one."""
     shares: dict[str, float] = {}
     for text in positions:
@@ -118,7 +118,7 @@ def _percent(share: float) -> str:
 
 
 def restart_cases(
-    cases: Mapping[str, CheckedScene],
+    cases: Mapping[str, PlacedScene],
     shares: Mapping[str, Mapping[str, float]],
     folder: Path | None,
     until: float | None = None,
@@ -138,7 +138,7 @@ def restart_cases(
 
 
 def restart(
-    scene: CheckedScene,
+    scene: PlacedScene,
     share: float,
     output: Path | None = None,
     until: float | None = None,

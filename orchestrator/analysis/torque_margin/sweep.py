@@ -28,7 +28,7 @@ from ...cosim.settings import Settings
 from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
 from ...run.run import Loader, RunError, kept_fmus
-from ...scene import CheckedScene
+from ...scene import PlacedScene
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.table import SceneError
 from ...scene.units import degrees_text
@@ -43,7 +43,7 @@ _TORN = 1e-3
 _OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
 
 
-def driven_lines(scene: CheckedScene) -> list[HingeLine]:
+def driven_lines(scene: PlacedScene) -> list[HingeLine]:
     """Lines that move and have a motor; SceneError if there are none."""
     lines = with_motor(scene)
     if not lines:
@@ -56,13 +56,13 @@ def driven_lines(scene: CheckedScene) -> list[HingeLine]:
     return lines
 
 
-def opened_lines(scene: CheckedScene) -> list[HingeLine]:
+def opened_lines(scene: PlacedScene) -> list[HingeLine]:
     """Lines with a motor, and those that cable loops couple to them; SceneError if there are none."""
     names = {line.name for line in driven_lines(scene)}.union(*(g.rates for g in margin_groups(scene)))
     return [line for line in scene.hinge_lines if line.name in names]
 
 
-def grouped(scene: CheckedScene, torques: Mapping[str, LineTorques]) -> list[GroupTorques]:
+def grouped(scene: PlacedScene, torques: Mapping[str, LineTorques]) -> list[GroupTorques]:
     """Torques of coupled lines together, from those of every line that opens."""
     return [
         GroupTorques(tuple(torques[name] for name in group.rates), group.rates)
@@ -70,7 +70,7 @@ def grouped(scene: CheckedScene, torques: Mapping[str, LineTorques]) -> list[Gro
     ]
 
 
-def travel(scene: CheckedScene, line: HingeLine) -> float:
+def travel(scene: PlacedScene, line: HingeLine) -> float:
     """Way of a line (rad) from its start to its deployed angle; SceneError where none is left."""
     way = line.deployed_angle - line.initial_angle
     if way <= 0.0:
@@ -82,7 +82,7 @@ def travel(scene: CheckedScene, line: HingeLine) -> float:
     return way
 
 
-def at_share(scene: CheckedScene, share: float) -> CheckedScene:
+def at_share(scene: PlacedScene, share: float) -> PlacedScene:
     """The scene with every line that opens at a share (0 to 1) of its way from its start to its deployed angle.
 
     Hold-downs across lines on their way have let go.
@@ -102,7 +102,7 @@ def _angle(line: HingeLine, share: float) -> float:
 
 
 def sweep(
-    scene: CheckedScene,
+    scene: PlacedScene,
     shares: Sequence[float],
     friction: FrictionKind,
     extra: Mapping[str, Mapping[str, float]],
@@ -126,7 +126,7 @@ def sweep(
     return result
 
 
-def _refuse_torn(scene: CheckedScene, share: float) -> None:
+def _refuse_torn(scene: PlacedScene, share: float) -> None:
     """SceneError where a loop of lines does not close with those that open at a share of their travel."""
     there = at_share(scene, share)
     found = {**there.left_open, **there.closed.open_by}
@@ -146,7 +146,7 @@ def _refuse_torn(scene: CheckedScene, share: float) -> None:
         )
 
 
-def _torques(scene: CheckedScene, friction: FrictionKind, load: Loader) -> dict[str, Vector]:
+def _torques(scene: PlacedScene, friction: FrictionKind, load: Loader) -> dict[str, Vector]:
     """Motor, harness and friction torque (3,) of every line that opens where it stands, sums over its hinges."""
     assembly = assemble(scene, rigid={"all"})
     parts = {part.name: part for part in assembly.parts}

@@ -8,7 +8,7 @@ import numpy as np
 
 from components import REGISTRY
 
-from ...scene import CheckedScene
+from ...scene import PlacedScene
 from ...scene.component_connections import component_values
 from ...scene.connection_tables import Connection
 from ...scene.hinge_line_tables import HingeLine
@@ -28,7 +28,7 @@ MOTOR_TORQUE = "motor_torque"
 """Observation (N.m, positive opening) of a component that drives the line between whose bodies it is."""
 
 
-def motors(scene: CheckedScene) -> dict[str, tuple[str, ...]]:
+def motors(scene: PlacedScene) -> dict[str, tuple[str, ...]]:
     """Connections that tell a motor torque, and the lines that each opens: those between its own two bodies."""
     found = {}
     for connection in scene.connections:
@@ -41,7 +41,7 @@ def motors(scene: CheckedScene) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def with_motor(scene: CheckedScene) -> list[HingeLine]:
+def with_motor(scene: PlacedScene) -> list[HingeLine]:
     """Lines that move and that a motorisation spring or another motor opens."""
     others = {name for names in motors(scene).values() for name in names}
     return [
@@ -51,13 +51,13 @@ def with_motor(scene: CheckedScene) -> list[HingeLine]:
     ]
 
 
-def margin_groups(scene: CheckedScene) -> list[CoupledLines]:
+def margin_groups(scene: PlacedScene) -> list[CoupledLines]:
     """Coupled lines that motors open together; what a drive turns opens as it is commanded."""
     motorised = {line.name for line in with_motor(scene)}
     return [group for group in scene.coupled_lines if group.rates.keys() & motorised and not group.drives]
 
 
-def uncounted(scene: CheckedScene) -> dict[str, str]:
+def uncounted(scene: PlacedScene) -> dict[str, str]:
     """What turns lines and has no part in any margin, by name, and why."""
     counted = motors(scene)
     found = {
@@ -80,7 +80,7 @@ def uncounted(scene: CheckedScene) -> dict[str, str]:
     return found | _apart(scene)
 
 
-def _apart(scene: CheckedScene) -> dict[str, str]:
+def _apart(scene: PlacedScene) -> dict[str, str]:
     """Cable loops at lines with a motor that are in no margin, by name, and why."""
     found, groups, motorised = {}, scene.coupled_lines, with_motor(scene)
     for name, kind, bodies in _movers(scene):
@@ -105,7 +105,7 @@ def _lacks_motor(connection: Connection) -> bool:
     return any(one.name.startswith(_MOTOR) for one in declared) and not any(np.any(value) for value in given)
 
 
-def without_margin(scene: CheckedScene) -> dict[str, str]:
+def without_margin(scene: PlacedScene) -> dict[str, str]:
     """Why a line is in no margin, by line: it is held, or has no motor; then what turns or keeps it."""
     found = {}
     counted = {line.name for line in with_motor(scene)}.union(*(g.rates for g in margin_groups(scene)))
@@ -117,7 +117,7 @@ def without_margin(scene: CheckedScene) -> dict[str, str]:
     return found
 
 
-def _what_turns(scene: CheckedScene, line: HingeLine) -> str:
+def _what_turns(scene: PlacedScene, line: HingeLine) -> str:
     """Drives and cable loops that can turn a line, or what keeps it, to follow the words "no motor"."""
     acting = [(name, kind) for name, kind, bodies in _movers(scene) if acts_across(scene, line, bodies)]
     drives = [name for name, kind in acting if kind == _DRIVE]
@@ -134,7 +134,7 @@ def _named(what: str, names: list[str]) -> str:
     return f"{what}{'s' * (len(names) > 1)} {' and '.join(names)}"
 
 
-def _movers(scene: CheckedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+def _movers(scene: PlacedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
     """Name, role and bodies of everything that can turn a line without a motor: drives, then cable loops."""
     others = {k.name: (k.kind, tuple(seat.body for seat in k.ports.values())) for k in scene.connections}
     for connection in scene.connections:

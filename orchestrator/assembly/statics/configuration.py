@@ -9,7 +9,7 @@ from typing import Literal
 
 from components.contract.roles import HOLD, LATCH_COMMAND, RELEASE_COMMAND
 
-from ...scene import CheckedScene, SceneError
+from ...scene import PlacedScene, SceneError
 from ...scene.builder import Names, listed
 from ...scene.hinge_line_tables import HingeLine
 from ..assemble import assemble
@@ -45,7 +45,7 @@ class Configuration:
 
 
 def configuration(
-    scene: CheckedScene,
+    scene: PlacedScene,
     named: Named = "current",
     angles: Mapping[str, float] | None = None,
     latched: Names | None = None,
@@ -72,7 +72,7 @@ def configuration(
     return Configuration(found, names)
 
 
-def lines_named(scene: CheckedScene, lines: Names) -> tuple[str, ...]:
+def lines_named(scene: PlacedScene, lines: Names) -> tuple[str, ...]:
     """Lines that move, by their names, "all" or "none"; SceneError for others."""
     moving = [line.name for line in scene.hinge_lines if not line.held]
     names = _chosen(lines, moving)
@@ -88,7 +88,7 @@ def _chosen(names: Names, every: Sequence[str]) -> tuple[str, ...]:
     return tuple(every) if found == ("all",) else () if found == ("none",) else found
 
 
-def _unknown(scene: CheckedScene, name: str) -> str:
+def _unknown(scene: PlacedScene, name: str) -> str:
     known = ", ".join(line.name for line in scene.hinge_lines if not line.held) or "none"
     return f"{scene.file}: there is no hinge line {name!r} that moves; those are {known}"
 
@@ -99,13 +99,13 @@ def _angle(line: HingeLine, named: Named) -> float:
     return line.stowed_angle if named == "stowed" else line.deployed_angle
 
 
-def free_lines(scene: CheckedScene, target: Configuration, held: Collection[str] = ()) -> list[str]:
+def free_lines(scene: PlacedScene, target: Configuration, held: Collection[str] = ()) -> list[str]:
     """Hinge lines that nothing keeps: neither latched in the configuration, nor held."""
     bound = {*target.latched, *held}
     return [line.name for line in scene.hinge_lines if not line.held and line.name not in bound]
 
 
-def pressed_lines(scene: CheckedScene, target: Configuration) -> frozenset[str]:
+def pressed_lines(scene: PlacedScene, target: Configuration) -> frozenset[str]:
     """Lines that are not latched, at an end stop into which their motors press them."""
     return frozenset(
         line.name
@@ -118,7 +118,7 @@ def pressed_lines(scene: CheckedScene, target: Configuration) -> frozenset[str]:
     )
 
 
-def kept_lines(scene: CheckedScene, target: Configuration) -> frozenset[str]:
+def kept_lines(scene: PlacedScene, target: Configuration) -> frozenset[str]:
     """Lines that hold-downs or drives keep, where a run begins, so that nothing else need hold them, as in runs."""
     at_start = all(
         abs(target.angles[line.name] - line.initial_angle) < _AT_START for line in scene.hinge_lines
@@ -126,13 +126,13 @@ def kept_lines(scene: CheckedScene, target: Configuration) -> frozenset[str]:
     return bolted_lines(scene) if at_start else frozenset()
 
 
-def hinges_of(scene: CheckedScene, lines: Collection[str]) -> list[str]:
+def hinges_of(scene: PlacedScene, lines: Collection[str]) -> list[str]:
     """Names of the hinges of lines that move."""
     return [h.name for line in scene.hinge_lines if line.name in lines and not line.held for h in line.hinges]
 
 
 def placed(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -161,7 +161,7 @@ def placed(
     return mechanism
 
 
-def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[float, float]]) -> None:
+def _lead(mechanism: Mechanism, scene: PlacedScene, ways: Mapping[str, tuple[float, float]]) -> None:
     """Turn the hinge lines together from their first to their second angles (rad), connections following.
 
     SceneError where the last ones tear a loop.
@@ -178,7 +178,7 @@ def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[fl
         mechanism.follow()
 
 
-def _refuse_torn(scene: CheckedScene, angles: Mapping[str, float]) -> None:
+def _refuse_torn(scene: PlacedScene, angles: Mapping[str, float]) -> None:
     """SceneError where these angles (rad) of all lines do not go together."""
     there = scene.with_angles(angles)
     after = {**there.closed.open_by, **there.left_open}
@@ -195,7 +195,7 @@ def _refuse_torn(scene: CheckedScene, angles: Mapping[str, float]) -> None:
 
 
 def loaded(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -222,7 +222,7 @@ def loaded(
 
 
 def scene_model(
-    scene: CheckedScene,
+    scene: PlacedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,

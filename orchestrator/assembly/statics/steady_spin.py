@@ -14,7 +14,7 @@ import numpy as np
 from components.contract.component import Vector
 from components.contract.frames import skew
 
-from ...scene import CheckedScene
+from ...scene import PlacedScene
 from .placed_body import PlacedBody
 
 _STILL = 1e-9
@@ -69,7 +69,7 @@ class Spin(NamedTuple):
         return result
 
 
-def spin_at_start(scene: CheckedScene) -> Spin | None:
+def spin_at_start(scene: PlacedScene) -> Spin | None:
     """That of a base that turns by a law, where the law begins; None where it does not turn."""
     motion = scene.base.motion
     rate = 0.0 if motion is None else motion.laws[1].rate(0.0)
@@ -79,6 +79,6 @@ def spin_at_start(scene: CheckedScene) -> Spin | None:
     return Spin(rate * axis, np.array(motion.pivot) + motion.laws[0].value(0.0) * along)
 
 
-def turning_at(scene: CheckedScene, time: float) -> list[str]:
+def turning_at(scene: PlacedScene, time: float) -> list[str]:
     """Names of what turns by a law at a time (s), the base among them."""
     return [name for name, motion in scene.motions.items() if abs(motion.laws[1].rate(time)) > _STILL]

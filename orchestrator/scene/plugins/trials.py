@@ -11,13 +11,13 @@ import numpy as np
 from components import REGISTRY, Component, ComponentError
 from components.contract.plugins import line_in
 
-from ..placed_scene import CheckedScene
+from ..placed_scene import PlacedScene
 
 _STEP = 1e-3
 """Size of the step that is tried, s."""
 
 
-def plugin_problems(scene: CheckedScene) -> Iterator[str]:
+def plugin_problems(scene: PlacedScene) -> Iterator[str]:
     """A sentence for each connection of a plugin whose component has an unknown unit or fails in a step at rest."""
     for connection in scene.connections:
         kind = REGISTRY.get(connection.kind)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.assembly import Assembly, Part
-from orchestrator.scene import CheckedScene, SceneError, find_scene, load_scene
+from orchestrator.scene import PlacedScene, SceneError, find_scene, load_scene
 from tests.references.edits import edited
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -29,7 +29,7 @@ AMOS3_BODIES = ("yoke", "panel1", "panel2")
 COMPLETE = edited(TWO_PANELS, (HINGES, LATCH + HINGES)) + DAMPER + CCL + STOP
 
 
-def load_text(folder: Path, text: str) -> CheckedScene:
+def load_text(folder: Path, text: str) -> PlacedScene:
     """The scene of a text, as the file wing.toml."""
     path = folder / "wing.toml"
     path.write_text(text, encoding="utf-8")
@@ -43,7 +43,7 @@ def problems_of(folder: Path, text: str) -> list[str]:
     return caught.value.problems
 
 
-def amos3() -> CheckedScene:
+def amos3() -> PlacedScene:
     """The AMOS-3 wing in orbit."""
     return load_scene(find_scene("amos3"))
 

@@ -14,7 +14,7 @@ from components.contract.roles import INTERFACE_LOAD
 from ....analysis.stress.model import scene_of
 from ....results.point_loads import port_loads
 from ....results.result import Result
-from ....scene.placed_scene import CheckedScene
+from ....scene.placed_scene import PlacedScene
 from ...viewers.motion import Rows
 from ...viewers.thinning import straight
 from .numbers import double, single
@@ -44,7 +44,7 @@ def marks(result: Result, bodies: Collection[str], rows: Rows, remarks: list[str
     return {"ports": ports, "axes": axes, "links": links, "loads": loads}
 
 
-def _places(scene: CheckedScene, bodies: Collection[str]) -> dict[tuple[str, str], Place]:
+def _places(scene: PlacedScene, bodies: Collection[str]) -> dict[tuple[str, str], Place]:
     """Places of ports of connections, by connection and port, on bodies whose motion is known."""
     found = dict[tuple[str, str], Place]()
     for one in scene.attachments:
@@ -54,7 +54,7 @@ def _places(scene: CheckedScene, bodies: Collection[str]) -> dict[tuple[str, str
     return found
 
 
-def _axes(scene: CheckedScene, places: Mapping[tuple[str, str], Place]) -> Iterator[dict[str, object]]:
+def _axes(scene: PlacedScene, places: Mapping[tuple[str, str], Place]) -> Iterator[dict[str, object]]:
     """Axes of hinges at their inboard ports, in the axes of that body, which are those of the line."""
     for line in scene.hinge_lines:
         for hinge in line.hinges:
@@ -62,7 +62,7 @@ def _axes(scene: CheckedScene, places: Mapping[tuple[str, str], Place]) -> Itera
                 yield {"name": line.name, "axis": list(line.axis), **place}
 
 
-def _links(scene: CheckedScene, places: Mapping[tuple[str, str], Place]) -> Iterator[dict[str, object]]:
+def _links(scene: PlacedScene, places: Mapping[tuple[str, str], Place]) -> Iterator[dict[str, object]]:
     """Cable loops from pulley to pulley, and other connections from port to port."""
     pairs = {loop.name: ("pulley_1", "pulley_2") for loop in scene.loops}
     pairs |= {one.name: tuple(one.ports) for one in scene.connections if len(one.ports) == 2}  # type: ignore[misc]
