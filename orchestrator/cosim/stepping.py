@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from ctypes import Structure
 from dataclasses import dataclass
@@ -15,7 +14,6 @@ from ..assembly import HingeLine
 from .implicit.convergence import Solution
 from .implicit.solver import Solver
 from .native.fields import fields
-from .participant import ParticipantError
 from .ports import Order
 
 _ITERATED, _MOST_ITERATED = {2: 1e-2, 4: 1e-3}, 1e-6
@@ -48,7 +46,6 @@ _TO_CONVERGE = 1.0 / 1024.0
 little in a step."""
 _LONGER = 1.1
 _PLAN_TAIL, _PARTS, _MOST_PARTS = 8, 4, 1024
-_SEARCH = "the static search before the run"
 
 
 class StepError(FanfoldError):
@@ -264,22 +261,9 @@ def to_own_events(segments: Sequence[Sequence[float]]) -> list[list[float]]:
 
 
 def failure(solver: Solver, solution: Solution, time: float, h: float) -> Exception:
-    """What to raise when even the smallest step does not converge: a participant's own error, or a StepError.
-
-    The search for static equilibrium comes before t = 0; its times mean nothing to a reader.
-    """
-    if solution.failure is not None:
-        return solution.failure if time >= 0.0 else ParticipantError(_of_search(str(solution.failure)))
-    what, advice = f"the step of {h:.3g} s from t = {time:.6f} s", "or start from a smaller step"
-    if time < 0.0:
-        what, advice = _SEARCH, "and whether it starts far from equilibrium"
-    return StepError(
-        f"{what} does not converge: after {solution.iterations} iterations the "
+    """What to raise when even the smallest step does not converge: a participant's own error, or a StepError."""
+    return solution.failure or StepError(
+        f"the step of {h:.3g} s from t = {time:.6f} s does not converge: after {solution.iterations} iterations the "
         f"wrench of {solver.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} "
-        f"times its tolerance; loosen the tolerance, check that connection's stiffness, {advice}"
+        "times its tolerance; loosen the tolerance, check that connection's stiffness, or start from a smaller step"
     )
-
-
-def _of_search(sentence: str) -> str:
-    """A participant's error without the time of the static search."""
-    return re.sub(r" (after the step of \S+ s )?(at|from) t = -\S+ s", f" during {_SEARCH}", sentence)

@@ -79,81 +79,72 @@ class Matrices:
 _ALIKE = 1e-2
 """Largest relative difference of step sizes that share mobilities; these go with its square: 2 % of an error stay."""
 
-Key = tuple[str, float]
-"""What matrices hold for: the parameters in force (static or dynamic), and the step size (s)."""
-
 
 class InterfaceJacobian:
-    """Matrices of a network's participants, kept as long as they hold."""
+    """Matrices of a network's participants by step size (s), kept as long as they hold."""
 
     def __init__(self, network: Network) -> None:
         self._network = network
-        self._mobilities: dict[Key, Matrices] = {}
-        self._stiffnesses: dict[Key, Matrices] = {}
-        self._outdated: set[Key] = set()
+        self._mobilities: dict[float, Matrices] = {}
+        self._stiffnesses: dict[float, Matrices] = {}
+        self._outdated: set[float] = set()
 
-    def matrices(self, key: Key, time: float) -> tuple[Matrices, Matrices]:
+    def matrices(self, h: float, time: float) -> tuple[Matrices, Matrices]:
         """Those of all bodies and of all connections, made about the step just made where they are not known."""
         network = self._network
-        if key not in self._mobilities and (alike := self._alike(key)) is not None:
-            self._mobilities[key] = alike
-        if key not in self._mobilities or key in self._outdated:
-            self._evaluate_bodies(key, time)
-        if key not in self._stiffnesses:
-            self._stiffnesses[key] = Matrices(
-                jacobian_block(connection, places, network.width, time, key[1])
+        if h not in self._mobilities and (alike := self._alike(h)) is not None:
+            self._mobilities[h] = alike
+        if h not in self._mobilities or h in self._outdated:
+            self._evaluate_bodies(h, time)
+        if h not in self._stiffnesses:
+            self._stiffnesses[h] = Matrices(
+                jacobian_block(connection, places, network.width, time, h)
                 for connection, places in zip(network.connections, network.connection_places, strict=True)
             )
-        return self._mobilities[key], self._stiffnesses[key]
+        return self._mobilities[h], self._stiffnesses[h]
 
-    def _alike(self, key: Key) -> Matrices | None:
+    def _alike(self, h: float) -> Matrices | None:
         """Mobilities of a step of nearly this size: an event is searched for by steps that differ little."""
-        mode, h = key
-        known = (
-            found
-            for (other, size), found in self._mobilities.items()
-            if other == mode and abs(size - h) < _ALIKE * h
-        )
+        known = (found for size, found in self._mobilities.items() if abs(size - h) < _ALIKE * h)
         return next(known, None)
 
-    def _evaluate_bodies(self, key: Key, time: float) -> None:
+    def _evaluate_bodies(self, h: float, time: float) -> None:
         """Mobilities of all bodies but those that are known and constant, which are only turned along."""
-        network, known = self._network, self._mobilities.get(key)
-        self._outdated.discard(key)
+        network, known = self._network, self._mobilities.get(h)
+        self._outdated.discard(h)
         if known and all(body.constant_mobility for body in network.bodies):
             return
-        self._mobilities[key] = Matrices(
+        self._mobilities[h] = Matrices(
             known.blocks[number]
             if known and body.constant_mobility
-            else jacobian_block(body, places, network.width, time, key[1])
+            else jacobian_block(body, places, network.width, time, h)
             for number, (body, places) in enumerate(zip(network.bodies, network.body_places, strict=True))
         )
 
-    def mobilities(self, key: Key) -> list[Matrix]:
+    def mobilities(self, h: float) -> list[Matrix]:
         """Known mobilities of all bodies, in the axes of now."""
-        return self._mobilities[key].turned()
+        return self._mobilities[h].turned()
 
-    def nearest(self, mode: str, h: float) -> Key | None:
+    def nearest(self, h: float) -> float | None:
         """The known step size next to one, for what goes with a power of it."""
-        known = [key for key in self._mobilities if key[0] == mode]
-        return min(known, key=lambda key: abs(np.log(key[1] / h)), default=None)
+        return min(self._mobilities, key=lambda known: abs(np.log(known / h)), default=None)
 
-    def outdate(self, key: Key | None = None, *, bodies: bool = False) -> None:
-        """Connections are evaluated anew when they are asked for, of one key or of all; so are a key's varying bodies.
+    def outdate(self, h: float | None = None, *, bodies: bool = False) -> None:
+        """Evaluate connections anew when they are next used, of one step size or of all; so are its varying bodies.
 
         A body's mobility costs tens of sweeps and changes little from step to step, a law may change at once.
         """
-        if key is None:
+        if h is None:
             self._stiffnesses.clear()
             return
-        self._stiffnesses.pop(key, None)
+        self._stiffnesses.pop(h, None)
         if bodies:
-            self._outdated.add(key)
+            self._outdated.add(h)
 
-    def forget(self, key: Key | None = None) -> None:
-        """Everything is evaluated anew, of one key or of all."""
+    def forget(self, h: float | None = None) -> None:
+        """Evaluate everything anew, of one step size or of all."""
         for known in (self._stiffnesses, self._mobilities):
-            if key is None:
+            if h is None:
                 known.clear()
             else:
-                known.pop(key, None)
+                known.pop(h, None)

@@ -19,7 +19,7 @@ from . import convergence
 from .convergence import LAST_REFRESHED, Solution, Tolerance
 from .elimination import eliminate
 from .history import Table
-from .interface_jacobian import Key, Matrices
+from .interface_jacobian import Matrices
 from .local_error import NO_LOAD, WeightedLoad
 from .solver import Solver
 
@@ -226,20 +226,19 @@ class NativeSolver(Solver):
     def follow(self, loop: LoopData) -> tuple[Stop, Solution]:
         """Plain steps of a loop from where it stands; why it stopped, and the solution of the step at hand."""
         self._allow()
-        mode, step = self._in_use or ("", nan)
-        loop.ready_step, loop.status = step if mode == self.mode else nan, Status.CONVERGED
+        loop.ready_step, loop.status = nan if self._in_use is None else self._in_use, Status.CONVERGED
         address, solution = addressof(loop), Solution(True, 0, 0.0, 0)
         try:
             stop = Stop(self._library.coupling_follow(address))
             while stop in (Stop.NEEDS_MATRICES, Stop.NEEDS_EVALUATION):
-                self._provide((self.mode, loop.h), loop.time, again=stop == Stop.NEEDS_EVALUATION)
+                self._provide(loop.h, loop.time, again=stop == Stop.NEEDS_EVALUATION)
                 stop = Stop(self._library.coupling_follow(address))
             solution = self._solution(loop.status, loop.time, loop.h)
         except ParticipantError as error:
             self._in_use = None
             return Stop.UNSOLVED, solution._replace(converged=False, correction=inf, failure=error)
         if not isnan(loop.ready_step):
-            self._in_use = (self.mode, loop.ready_step)
+            self._in_use = loop.ready_step
         if stop == Stop.FAILED:
             self._check(False, loop.time + loop.h)
         return stop, solution
@@ -248,13 +247,13 @@ class NativeSolver(Solver):
         allowed = self.tolerance
         self._data.tolerance = Allowed(allowed.relative, allowed.force, allowed.torque, allowed.residual)
 
-    def _provide(self, key: Key, time: float, *, again: bool) -> None:
+    def _provide(self, h: float, time: float, *, again: bool) -> None:
         """Have the matrices of a step in use, as the iteration wants; again: others than those it has."""
         self._in_use = None
         if again:
-            self.jacobian.outdate(key, bodies=self._data.iteration == LAST_REFRESHED)
-        self._use(*self.jacobian.matrices(key, time))
-        self._in_use = key
+            self.jacobian.outdate(h, bodies=self._data.iteration == LAST_REFRESHED)
+        self._use(*self.jacobian.matrices(h, time))
+        self._in_use = h
 
     def _solution(self, status: int, time: float, h: float) -> Solution:
         """What the iteration came to; ParticipantError where a participant refused."""
@@ -264,10 +263,10 @@ class NativeSolver(Solver):
 
     def _iterate(self, time: float, h: float) -> Solution:
         self._allow()
-        status = self._library.coupling_iterate(self._pointer, time, h, self._in_use == (self.mode, h))
+        status = self._library.coupling_iterate(self._pointer, time, h, self._in_use == h)
         while status in (Status.WANTS_MATRICES, Status.WANTS_EVALUATION):
             again = status == Status.WANTS_EVALUATION
-            self._provide((self.mode, h), time, again=again)
+            self._provide(h, time, again=again)
             status = self._library.coupling_resume(self._pointer, again)
         return self._solution(status, time, h)
 

@@ -119,7 +119,7 @@ class PythonSolver(Solver):
             residual = self._response - self.wrenches
             if not np.all(np.isfinite(residual)):
                 return Solution(False, iteration, np.inf, int(np.argmin(np.isfinite(residual))))
-            if halved or self._in_use != (self.mode, h):
+            if halved or self._in_use != h:
                 self._refresh(time, h, evaluate=False)
             direction = self._direction(residual)
             if iteration == 1:

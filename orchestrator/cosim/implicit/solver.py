@@ -17,7 +17,7 @@ from ..network import Network
 from ..participant import Matrix, ParticipantError, Vector
 from .convergence import ROUND_OFF, Solution, Tolerance, is_credible
 from .history import Table
-from .interface_jacobian import InterfaceJacobian, Key, Matrices
+from .interface_jacobian import InterfaceJacobian, Matrices
 from .local_error import WeightedLoad, jump_work
 
 _MAX_DAMPED = 30
@@ -27,10 +27,9 @@ _SMALLEST_SHARE = 1e-3
 class Solver(ABC):
     """Solves coupled steps from the participants' saved states and leaves them stepped.
 
-    `wrenches` is the solution of the last solve, `accepted` that of the last accepted step. `mode` identifies the set
-    of parameters of the mobilities (static or dynamic). `persistent` requests a slow damped iteration before giving up,
-    if the step cannot be made smaller. `observations` are those of the last `observe`, in the order of the
-    participants, followed by a zero.
+    `wrenches` is the solution of the last solve, `accepted` that of the last accepted step. `persistent` requests a slow
+    damped iteration before giving up, if the step cannot be made smaller. `observations` are those of the last
+    `observe`, in the order of the participants, followed by a zero.
     """
 
     def __init__(self, network: Network, tolerance: Tolerance) -> None:
@@ -40,12 +39,11 @@ class Solver(ABC):
         self.accepted = np.zeros(network.size)
         self.observations = np.zeros(sum(p.observation_layout.size for p in network.participants) + 1)
         self.jacobian = InterfaceJacobian(network)
-        self.mode = "dynamic"
         self.persistent = False
         self._response = np.zeros(network.size)
         self._round_off = np.zeros(network.size)
         self._energy_rows = energy_rows(network.participants)
-        self._in_use: Key | None = None
+        self._in_use: float | None = None
 
     @abstractmethod
     def costs(self) -> tuple[int, float]:
@@ -148,11 +146,11 @@ class Solver(ABC):
 
         From the mobilities of a step as near to h as there is, which go with its square; None where none are known.
         """
-        key = self.jacobian.nearest(self.mode, h)
-        if key is None:
+        known = self.jacobian.nearest(h)
+        if known is None:
             return None
-        work = jump_work(self.network, self.jacobian.mobilities(key), change)
-        return work * (h / key[1]) ** 2 / energy
+        work = jump_work(self.network, self.jacobian.mobilities(known), change)
+        return work * (h / known) ** 2 / energy
 
     def solve(self, time: float, h: float, guess: Vector) -> Solution:
         """Find the wrenches of the step from the saved states; participants end stepped when it converges."""
@@ -162,7 +160,7 @@ class Solver(ABC):
         """What a first iteration from a guess came to, or where it did not converge, what others come to."""
         if not solution.converged:
             self.forget()
-            self.jacobian.outdate((self.mode, h), bodies=True)
+            self.jacobian.outdate(h, bodies=True)
             near = self.tolerance.is_near(solution.correction)
             again = self._attempt(self._iterate, time, h, self.wrenches.copy() if near else guess)
             solution = again._replace(iterations=solution.iterations + again.iterations)
@@ -185,12 +183,11 @@ class Solver(ABC):
 
     def _refresh(self, time: float, h: float, *, evaluate: bool, bodies: bool = False) -> None:
         """Have matrices of a step in use at the present orientations; anew those of connections, or of bodies too."""
-        key = (self.mode, h)
         self._in_use = None
         if evaluate:
-            self.jacobian.outdate(key, bodies=bodies)
-        self._factorize(*self.jacobian.matrices(key, time), h)
-        self._in_use = key
+            self.jacobian.outdate(h, bodies=bodies)
+        self._factorize(*self.jacobian.matrices(h, time), h)
+        self._in_use = h
 
     def _damped(self, time: float, h: float) -> Solution:
         """Newton with all matrices of the present wrenches, each correction halved until it makes progress."""
@@ -199,7 +196,7 @@ class Solver(ABC):
         for iteration in range(1, _MAX_DAMPED + 1):
             if residual is None:
                 break
-            self.jacobian.forget((self.mode, h))
+            self.jacobian.forget(h)
             self._refresh(time, h, evaluate=True)
             direction = self._direction(residual)
             scale = self.tolerance.scale(self.wrenches + direction)

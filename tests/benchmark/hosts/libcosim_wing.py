@@ -23,9 +23,9 @@ import numpy as np
 from fmus import Backend
 from orchestrator.assembly import Assembly
 from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.statics.start import started_at_rest
 from orchestrator.cosim.ports import MOTION, WRENCH
 from orchestrator.cosim.settings import Settings
-from orchestrator.run.preload import started_at_rest
 from orchestrator.run.run import as_fmus, export
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.component_connections import WrenchMode
@@ -221,7 +221,7 @@ def compare(scene: str, fidelity: Fidelity, until: float, backend: Backend) -> I
     modes: tuple[WrenchMode, ...] = ("mean", "endpoint")
     mean, endpoint = (assemble(load_scene(find_scene(scene)), **both, wrench_mode=mode) for mode in modes)
     if fidelity == "rigid":
-        endpoint = started_at_rest(endpoint, mean)
+        endpoint = started_at_rest(endpoint)
     reference = ours(mean, backend, 1e-5, until).trials or []
     for tolerance in (1e-2, 1e-3, 1e-4):
         yield _point("fanfold", f"tol {tolerance:g}", ours(mean, backend, tolerance, until), reference)

@@ -255,7 +255,7 @@ def test_bodies_are_differentiated_seldom_and_laws_when_they_may_have_changed():
         start(network)
         solver.save(0.0)
         solver.sweep(0.0, 1e-3)
-        key = ("dynamic", 1e-3)
+        key = 1e-3
 
         def evaluated(before):
             now = [block for kind in solver.jacobian.matrices(key, 0.0) for block in kind.blocks]
@@ -273,7 +273,7 @@ def test_bodies_are_differentiated_seldom_and_laws_when_they_may_have_changed():
         blocks, anew = evaluated(blocks)
         assert not anew
         for size, shared in ((1.005e-3, True), (1.02e-3, False)):
-            alike, _ = solver.jacobian.matrices(("dynamic", size), 0.0)
+            alike, _ = solver.jacobian.matrices(size, 0.0)
             assert all((a is b) == shared for a, b in zip(alike.blocks, blocks, strict=False))
         solver.forget_all()
         assert evaluated(blocks)[1] == connections | {body.name for body in network.bodies}
