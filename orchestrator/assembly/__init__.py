@@ -211,7 +211,8 @@ class Driving:
 class Assembly:
     """A scene at one fidelity, ready to become FMUs or in-process components.
 
-    flexible: names of modal bodies; large_deformation: of beams.
+    flexible: names of modal bodies; large_deformation: of beams. at_rest: whether its bodies start where the search of
+    static equilibrium has placed them.
     """
 
     name: str
@@ -230,3 +231,4 @@ class Assembly:
     events: tuple[Event, ...] = ()
     large_deformation: tuple[str, ...] = ()
     signal_fmus: tuple[SignalFmu, ...] = ()
+    at_rest: bool = False

@@ -11,7 +11,7 @@ from components.contract.frames import norm, normalized, rotation_between
 from components.rail import Rail
 
 from ..assembly import Assembly, Part
-from ..assembly.statics.start import static_start
+from ..assembly.statics.start import Start
 from ..results.result import Result
 
 _STARTED = {"initial_position": "frame_position", "initial_orientation": "frame_orientation"}
@@ -24,12 +24,12 @@ _LOST = 0.1
 """Of a preload, by which equilibrium may change it before that is told: stacks give way a little."""
 
 
-def let_go_at_start(assembly: Assembly) -> Iterator[str]:
+def let_go_at_start(start: Start) -> Iterator[str]:
     """A sentence for joints that are held in the search alone, as loads would drive what they carry away."""
-    if joints := ", ".join(static_start(assembly).held):
+    if joints := ", ".join(start.held):
         yield (
-            f"{assembly.name}: there is no static equilibrium while {joints} can turn, so the search holds it and "
-            "it is released at t = 0. Start without preload, or from an equilibrium position."
+            f"{start.assembly.name}: there is no static equilibrium while {joints} can turn, so the search holds it "
+            "and it is released at t = 0. Start without preload, or from an equilibrium position."
         )
 
 

@@ -13,6 +13,7 @@ from fmus import Backend, native_library
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
+from ..assembly.statics.start import static_start
 from ..cosim.native.library import missing_compiled_code
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
@@ -180,17 +181,20 @@ def simulate(
     assembly = options.assemble(scene)
     for sentence in (*_missing_parts(options), *_before(scene, options, assembly)):
         tell(sentence)
+    at_rest = static_start(assembly)
+    for sentence in coded("W-preload", let_go_at_start(at_rest)):
+        tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
     asked = options.asked(scene, estimate) | {SETTINGS: settings_text(options.made_with(scene, estimate))}
     own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
     with own as load:
-        assembly = with_energy_of_loads(assembly, settings, end, options.master, progress, load)
+        resting = with_energy_of_loads(at_rest.assembly, settings, end, options.master, progress, load)
         with followed(progress, assembly.name, end) as watch:
-            outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
+            outcome = run(resting, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
             outcome, settings = with_estimates(
-                assembly,
+                resting,
                 outcome,
                 settings,
                 end,
@@ -206,7 +210,7 @@ def simulate(
     for sentence in outcome.headline.warnings:
         warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
-    return Simulation(assembly, settings, end, load_again, outcome)
+    return Simulation(resting, settings, end, load_again, outcome)
 
 
 def _missing_parts(options: Options) -> Iterator[str]:
@@ -226,7 +230,6 @@ def _before(scene: PlacedScene, options: Options, assembly: Assembly) -> Iterato
         "W-held-body", _held_sentences(assembly, {*options.flexible, *options.large_deformation})
     )
     yield from coded("W-spin", unstiffened_spins(scene, assembly))
-    yield from coded("W-preload", let_go_at_start(assembly))
 
 
 def _after(scene: PlacedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:

@@ -104,13 +104,17 @@ class _Tangent(NamedTuple):
             found -= self.rigid @ (self.rigid.T @ (model.mass @ found))
         return found
 
+    def mean_way(self, motion: Vector) -> float:
+        """Root mean square (m) over all mass of a motion (n,), as bodies may bend far between ports that stay."""
+        return float(np.sqrt(abs(motion @ self.model.mass @ motion) / self.model.total_mass))
+
     def with_forces(self, mechanism: Mechanism) -> _Tangent:
         """The same with the forces of the mechanism's present pose."""
         return self._replace(model=replace(self.model, residual=mechanism.forces()))
 
 
 class _Step(NamedTuple):
-    """A step (n,) from a pose: how far (m or rad) it moves a port, and what it may be made of; its work (J)."""
+    """A step (n,) from a pose: how far (m or rad) it moves a port or all mass; what share may be made; its work (J)."""
 
     motion: Vector
     way: float
@@ -206,7 +210,8 @@ def _step(mechanism: Mechanism, tangent: _Tangent, size: float) -> _Step | None:
         return None
     way, turn = (float(np.abs(part).max(initial=1e-300)) for part in (ports, ports[:, 3:]))
     share = min(1.0, _LARGEST_TURN / turn, _LARGEST_WAY / way)
-    return _Step(motion, way, share, share * float(motion @ tangent.forces))
+    work = share * float(motion @ tangent.forces)
+    return _Step(motion, max(way, tangent.mean_way(motion)), share, work)
 
 
 def _after(mechanism: Mechanism, step: _Step, kept: _Tangent | None, *, at_start: bool) -> _Tangent | None:

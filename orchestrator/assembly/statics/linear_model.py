@@ -90,6 +90,11 @@ class LinearModel:
         return bodies[self.mechanism.base].position if self.mechanism.base in bodies else np.zeros(3)
 
     @property
+    def total_mass(self) -> float:
+        """Of all bodies (kg)."""
+        return float(sum(self.mass[rows.start, rows.start] for rows in self.mechanism.rows.values()))
+
+    @property
     def unbalanced(self) -> tuple[float, float]:
         """Largest force (N) and torque (N.m) on a body that nothing balances in this configuration."""
         bodies, base = self.mechanism.bodies, self.mechanism.base

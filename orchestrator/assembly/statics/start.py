@@ -38,13 +38,13 @@ class Start(NamedTuple):
 
 
 def static_start(assembly: Assembly) -> Start:
-    """The start of an assembly; unchanged without preload, SceneError where there is no equilibrium near.
+    """The start of an assembly; unchanged without preload or at rest, SceneError where there is no equilibrium near.
 
     Hinge lines are held on their way; a joint of a linkage carries no torque about its line in a run's first instant
     either, and is free in equilibrium as well. Joints that take part in what loads would drive away, such as those of
     pendulums, are held; what moves without force may, as nothing moves it.
     """
-    if not assembly.preload:
+    if not assembly.preload or assembly.at_rest:
         return Start(assembly, ())
     joints, held = set(_joints(assembly)), set[str]()
     while True:
@@ -62,9 +62,8 @@ def static_start(assembly: Assembly) -> Start:
         joints -= driven
         held |= driven
     parts = [_placed(part, mechanism.bodies.get(part.name)) for part in freed.parts]
-    return Start(
-        replace(assembly, parts=tuple(parts)), tuple(part.name for part in parts if part.name in held)
-    )
+    resting = replace(assembly, parts=tuple(parts), at_rest=True)
+    return Start(resting, tuple(part.name for part in parts if part.name in held))
 
 
 def started_at_rest(assembly: Assembly) -> Assembly:

@@ -27,8 +27,8 @@ _SMALLEST_SHARE = 1e-3
 class Solver(ABC):
     """Solves coupled steps from the participants' saved states and leaves them stepped.
 
-    `wrenches` is the solution of the last solve, `accepted` that of the last accepted step. `persistent` requests a slow
-    damped iteration before giving up, if the step cannot be made smaller. `observations` are those of the last
+    `wrenches` is the solution of the last solve, `accepted` that of the last accepted step. `persistent` requests a
+    slow damped iteration before giving up, if the step cannot be made smaller. `observations` are those of the last
     `observe`, in the order of the participants, followed by a zero.
     """
 
