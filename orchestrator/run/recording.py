@@ -59,7 +59,7 @@ class Recording:
             "recorded_rows": "all" if self.spacing is None else f"one in {self.spacing:g} s, events, peaks"
         }
         if self.signals:
-            told["recorded_signals"] = ", ".join(self.signals)
+            told["recorded_signals"] = ", ".join(sorted(self.signals))
         kept = replace(kept, provenance={**result.provenance, **told})
         return kept if result.path is None else _replaced(kept, result.path)
 

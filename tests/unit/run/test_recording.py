@@ -111,7 +111,7 @@ def test_command_keeps_what_is_asked_for(tmp_path):
         k: v for k, v in numbers.items() if k not in costs
     }
     assert part.provenance["recorded_rows"] == "one in 0.5 s, events, peaks"
-    assert part.provenance["recorded_signals"] == "hinge_left, *.frame_*"
+    assert part.provenance["recorded_signals"] == "*.frame_*, hinge_left"
     assert part.has("panel", "frame_position")
     assert not part.has("panel", "angular_momentum")
     assert whole.has("panel", "angular_momentum")
