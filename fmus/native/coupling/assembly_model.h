@@ -241,6 +241,46 @@ static int are_below(const size_t *indices, size_t count, size_t apart, size_t e
     return 1;
 }
 
+/* Whether indices [0, count] rise to `end`. */
+static int rise_to(const size_t *begin, size_t count, size_t end) {
+    for (size_t i = 0; i < count; i++)
+        if (begin[i] > begin[i + 1]) return 0;
+    return begin[count] == end;
+}
+
+/* Whether every block lies within the groups and the room of the matrix, the first ones on its diagonal. */
+static int are_within(const Matrix *m) {
+    if (m->block_count < m->groups) return 0;
+    for (size_t k = 0; k < m->block_count; k++) {
+        const MatrixBlock *block = m->blocks + k;
+        if (block->row_group >= m->groups || block->column_group >= m->groups) return 0;
+        const size_t rows = m->begin[block->row_group + 1] - m->begin[block->row_group];
+        const size_t columns = m->begin[block->column_group + 1] - m->begin[block->column_group];
+        if (block->first > columns || block->columns > columns - block->first || block->offset > m->length ||
+            rows * block->columns > m->length - block->offset)
+            return 0;
+        if (k < m->groups && (block->row_group != k || block->column_group != k || block->columns != rows)) return 0;
+    }
+    return 1;
+}
+
+/* Pairs of a block below and one right of the diagonal, each of which has a target. */
+static size_t pairs_of(const Matrix *m) {
+    size_t pairs = 0;
+    for (size_t k = 0; k < m->groups; k++)
+        pairs += (m->lower_begin[k + 1] - m->lower_begin[k]) * (m->upper_begin[k + 1] - m->upper_begin[k]);
+    return pairs;
+}
+
+/* Whether 6 x 6 (or fewer) parts lie within the matrix. */
+static int are_parts_within(const Part *part, size_t count, size_t width, size_t length) {
+    for (size_t i = 0; i < count; i++) {
+        if (part[i].stride > length || part[i].offset > length) return 0;
+        if ((width - 1) * part[i].stride + width > length - part[i].offset) return 0;
+    }
+    return 1;
+}
+
 /* Links, tables of the linear system, and all room of the network. */
 static int create_network(Assembly *a, const Data *data, Memory *memory, Reason *why) {
     Network *n = &a->master.network;
@@ -264,10 +304,11 @@ static int create_network(Assembly *a, const Data *data, Memory *memory, Reason 
     m->block_count = blocks / 5;
     m->size = n->size;
     m->length = *length;
-    if (!are_below(m->targets, targets, 1, m->block_count) || !are_below(m->lower, lower, 1, m->block_count) ||
-        !are_below(m->upper, upper, 1, m->block_count) || m->begin[m->groups] != n->size ||
-        m->lower_begin[m->groups] != lower || m->upper_begin[m->groups] != upper ||
-        !are_below((const size_t *)n->parts, parts / 2, 2, m->length) || !are_below(link, n->links, 5, n->bodies) ||
+    if (!rise_to(m->begin, m->groups, n->size) || !rise_to(m->lower_begin, m->groups, lower) ||
+        !rise_to(m->upper_begin, m->groups, upper) || !are_within(m) || pairs_of(m) != targets ||
+        !are_below(m->targets, targets, 1, m->block_count) || !are_below(m->lower, lower, 1, m->block_count) ||
+        !are_below(m->upper, upper, 1, m->block_count) ||
+        !are_parts_within(n->parts, parts / 2, n->width.wrench, m->length) || !are_below(link, n->links, 5, n->bodies) ||
         !are_below(link + 2, n->links, 5, n->participants) || !are_below(link + 4, n->links, 5, n->size))
         return refuse(why, "the tables of the assembly's matrix are damaged");
     n->link = (const Link *)link;
