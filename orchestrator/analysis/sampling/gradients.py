@@ -262,12 +262,16 @@ class _Replays(NamedTuple):
 
     def _refuse_other_events(self, here: Outcome, there: Outcome, one: Parameter) -> None:
         """StudyError where the replay has other events, or other steps between them."""
-        names, others = ([event[1:] for event in run.result.events] for run in (here, there))
-        pairs = zip_longest(map(len, here.segments), map(len, there.segments))
-        differing = [k for k, (made, planned) in enumerate(pairs) if made != planned]
-        if names == others and not differing:
+        nothing = (self.end, "", "")
+        events = zip_longest(here.result.events, there.result.events, fillvalue=nothing)
+        times = [min(ours[0], theirs[0]) for ours, theirs in events if ours[1:] != theirs[1:]]
+        steps = zip_longest(map(len, here.segments), map(len, there.segments))
+        times += [
+            sum(map(sum, here.segments[: k + 1])) for k, (ours, theirs) in enumerate(steps) if ours != theirs
+        ]
+        if not times:
             return
-        time = sum(map(sum, here.segments[: differing[0] + 1])) if differing else self.end
+        time = min(times)
         raise StudyError(
             f"{self.assembly.name}: with {one.name} changed by {PART:g} of its value, other events come near "
             f"t = {time:.6g} s, or in another order; numbers have no derivatives there"

@@ -106,7 +106,7 @@ def check_parameters(subject, path):
 
 def check_derivatives(subject, path):
     """Directional derivatives of outputs and rates, against central differences of the fourth order."""
-    pair = Pair(subject, path, 3)
+    pair = Pair(subject, path, 5)
     pair.wander()
     layout, firsts, sizes = pair.component.input_layout, pair.reference.firsts, pair.reference.sizes
     n, nx = sum(sizes), pair.fmu.nx

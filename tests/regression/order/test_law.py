@@ -45,8 +45,8 @@ class Hardening:
 def of_order_two(law: Law, h: float) -> Path:
     """The mean over both ends, and inertial terms that damp."""
     if isinstance(law, Linear):
-        return run(law, h, lambda m: bushing_load(law.stiffness, 0.0, m, 0.5), remembered)
-    return run(law, h, lambda m: damped_load(mean_force(law, m.start, m.end), LATCH, 0.0, m, 0.5), remembered)
+        return run(law, h, lambda m: bushing_load(law.stiffness, 0.0, m), remembered)
+    return run(law, h, lambda m: damped_load(mean_force(law, m.start, m.end), LATCH, 0.0, m), remembered)
 
 
 def of_order_four(law: Law, h: float) -> Path:

@@ -83,7 +83,7 @@ def test_the_start_warning_is_the_same_at_every_fidelity(fidelity):
     )
     assert all(
         part in told
-        for part in ("hinge_line.HL1 ", "HL2, HL3", " 1 : 2 : 2", " 0 deg ", " 8.872 N.m", " 10.79 N.m")
+        for part in ("hinge_line.HL1: ", " HL2 and HL3", " 1 : 2 : 2", " 0 deg ", " 8.872 N.m", " 10.79 N.m")
     )
     assert code_of(told) == "W-motor-short"
 

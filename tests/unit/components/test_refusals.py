@@ -49,7 +49,7 @@ PARAMETERS = [
         (kind, {name: value}, f"{name} = .* at least")
         for kind, name, value in (
             (Contact, "exponent", 0.9), (Contact, "reference_penetration", 0.0), (Contact, "damping", -1.0),
-            (Contact, "end_weight", 0.4), (EndStop, "stiffness", 0.0), (EndStop, "damping", -1.0),
+            (EndStop, "stiffness", 0.0), (EndStop, "damping", -1.0),
             (PlateDrag, "width", -1.0), (PlateDrag, "air_density", -1.0), (PlateDrag, "drag_coefficient", -1.0),
         )
     ),
