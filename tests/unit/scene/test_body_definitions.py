@@ -165,9 +165,9 @@ def test_spread_mass_has_the_stated_totals(seed):
         "inertia": inertia,
     }
     loaded = built({"frame": table}).finite_elements()
-    assert loaded.mass == pytest.approx(mass, rel=1e-12)
-    assert loaded.center_of_mass[0] == pytest.approx(center, rel=1e-12)
-    assert loaded.inertia[1, 1] == pytest.approx(inertia, rel=1e-12)
+    assert loaded.mass == pytest.approx(mass, rel=1e-11)
+    assert loaded.center_of_mass[0] == pytest.approx(center, rel=1e-11)
+    assert loaded.inertia[1, 1] == pytest.approx(inertia, rel=1e-11)
     stations = loaded.positions[loaded.masses > 0.0][:, 0]
     assert stations.min() < middle - half < middle + half < stations.max()
 
