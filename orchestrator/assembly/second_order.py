@@ -26,6 +26,8 @@ from .driving import load_laws
 
 FELT = 0.01
 """Of the stiffness of a mode: half of it is the change of its frequency, so that peaks are off by 0.5 %."""
+_LOWEST = 16
+"""Modes whose pairs are looked at first: pairs go with the square of modes, and loads change the lowest ones most."""
 _SAMPLES = 257
 
 
@@ -65,14 +67,21 @@ def _chosen(scene: PlacedScene, body: Body, spin: float, load: AxialLoad) -> int
         return int(modes.size)
     if not joints or not any(load):
         return 0
-    ways = ways_through(_unfiltered(body, modes.size), joints)
-    shares = np.max([load.over(way.span) * np.abs(np.diag(way.taken)) for way in ways], axis=0, initial=0.0)
-    return int(np.flatnonzero(shares > FELT).max(initial=-1)) + 1
+    low, chosen = 0, _LOWEST
+    while low < min(2 * chosen, modes.size):
+        low = min(max(_LOWEST, 2 * low), int(modes.size))
+        ways = ways_through(_unfiltered(body, low), joints)
+        shares = np.max(
+            [load.over(way.span) * np.abs(np.diag(way.taken)) for way in ways], axis=0, initial=0.0
+        )
+        chosen = int(np.flatnonzero(shares > FELT).max(initial=-1)) + 1
+    return chosen
 
 
-def all_second_order(body: Body) -> ModalData:
-    """The body with every mode of second order that is not switched off; imported ones have none."""
-    count = 0 if body_definition(body).imported is not None else _unfiltered(body).frequency.size
+def low_second_order(body: Body, besides: int) -> ModalData:
+    """The body with its lowest modes of second order, some beyond the first ones; imported bodies have none."""
+    modes = 0 if body_definition(body).imported is not None else _unfiltered(body).frequency.size
+    count = min(modes, max(_LOWEST, 2 * besides))
     return body_model(body.model_copy(update={"second_order_modes": count}), flexible=True)
 
 

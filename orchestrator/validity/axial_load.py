@@ -12,7 +12,7 @@ from components.hinge import Hinge
 from components.moving_base import MovingBase
 
 from ..assembly import Assembly, Part
-from ..assembly.second_order import all_second_order, joint_places, second_order_modes, ways_through
+from ..assembly.second_order import joint_places, low_second_order, second_order_modes, ways_through
 from ..results.result import Result
 from ..scene import PlacedScene
 from ..scene.body_tables import Body
@@ -43,7 +43,7 @@ def axial_load_warnings(scene: PlacedScene, assembly: Assembly, result: Result) 
             continue
         row = int(pressed[joint].argmax())
         most, second = float(pressed[joint][row]), second_order_modes(part)
-        ways = ways_through(all_second_order(body), joint_places(scene, body))
+        ways = ways_through(low_second_order(body, second), joint_places(scene, body))
         critical = min((way.euler(second) for way in ways), default=np.inf)
         if most > _TOLD * critical:
             yield (
