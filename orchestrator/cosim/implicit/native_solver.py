@@ -263,7 +263,7 @@ class NativeSolver(Solver):
 
     def _iterate(self, time: float, h: float) -> Solution:
         self._allow()
-        status = self._library.coupling_iterate(self._pointer, time, h, self._in_use == h)
+        status = self._library.coupling_iterate(self._pointer, time, h, bool(self._in_use == h))
         while status in (Status.WANTS_MATRICES, Status.WANTS_EVALUATION):
             again = status == Status.WANTS_EVALUATION
             self._provide(h, time, again=again)
