@@ -84,7 +84,7 @@ def test_guard_rejects_what_smaller_steps_cure():
 
 
 def test_guard_lets_rounding_of_what_hardly_moves_pass():
-    """Regression: 1e-22 J at the start of a law made a companion divide its steps until time stood still."""
+    """Regression: 1e-22 J at the start of a law made another run divide its steps until time stood still."""
     guard = EnergyGuard(Energies(0.0, 0.0, 0.0, 0.0, 0.0))
     assert guard.allows(Energies(1.5e-23, 1.8e-22, 1.06e-20, 0.0, 1.04e-20), 3e-5)
     assert not guard.allows(Energies(1e-18, 2e-18, 0.0, 0.0, 0.0), 3e-5)

@@ -162,7 +162,7 @@ def _ended(what: Callable[[], object]) -> bool:
 
 
 def _stopping(stop: float | None) -> Callable[[str, float], Any]:
-    """A display that ends the run, but not its companion, at a time as Ctrl-C does."""
+    """A display that ends the run, but not the one that shows errors, at a time as Ctrl-C does."""
 
     @contextmanager
     def display(name: str, end: float) -> Iterator[Callable[[float, float], None]]:

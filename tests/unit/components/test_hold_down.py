@@ -314,7 +314,7 @@ def test_releases_close_to_each_other_tell_loads_of_their_own(gap, tolerance, wa
 
 
 def test_a_release_at_the_end_of_a_run():
-    """Regression: the steps of its companion had an empty segment, and an error was raised."""
+    """Regression: the steps of the run that shows errors had an empty segment, and an error was raised."""
     run = fanfold.simulate(seat(("time", 0.05), until="0.05 s"))
     assert run.headline.interface_force_peaks[2] < 1.001 * pressed(1)
 

@@ -11,6 +11,7 @@ from tests.references.random_wings import load_wing
 pytestmark = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
 
 
+@pytest.mark.thorough
 def test_a_lock_beside_a_light_body_does_not_ring():
     """Definition of the tolerance: ten of it at the most between a run and one at a tenth.
 
