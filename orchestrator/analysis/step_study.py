@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..assembly import Assembly
+from ..assembly.statics.start import static_start
 from ..cosim.settings import Settings
 from ..run.progress import Progress, silent
 from ..run.run import RunError
@@ -40,6 +41,7 @@ def step_study(
 ) -> LatchStudy:
     """Runs at fixed step sizes (s) beside one with step control; results in the folder, if there is one."""
     refuse_without_latches(assembly)
+    assembly = static_start(assembly).assembly
     steps = study_steps(steps)
     controlled = Settings(tolerance or assembly.tolerance, assembly.largest_step)
 

@@ -16,7 +16,7 @@ from ..analysis.sampling.plan import Method, Plan
 from ..analysis.sampling.sample import Task
 from ..analysis.sampling.study import Study as Record
 from ..analysis.sampling.targets import signals_of
-from ..analysis.sampling.varied import varied
+from ..analysis.sampling.varied import all_varied
 from ..messages import message
 from ..results.signal import matches
 from ..scene.builder import Names, listed
@@ -130,8 +130,7 @@ def study(
     >>> found.quantiles("latch_time.HL1")
     """
     options = changed(options_of(locals()), signals=())  # which the task samples
-    texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
-    plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
+    plan = Plan(all_varied(vary), method, runs, levels, seed)
     task = Task(as_scene(scene), options, estimate, listed(signals), points)
     _tell_of_unknown_signals(task)
     path = None if save is None else Path(save)

@@ -10,7 +10,7 @@ from ..analysis.sampling.sample import Task
 from ..analysis.sampling.targets import Target, curves, target
 from ..analysis.sampling.tuning import Tuned
 from ..analysis.sampling.tuning import tune as _tune
-from ..analysis.sampling.varied import varied
+from ..analysis.sampling.varied import all_varied
 from ..scene.builder import Names
 from .options import InputFile, Positive, Within
 from .quantities import Duration, Tolerance
@@ -78,7 +78,6 @@ def tune(
     >>> fanfold.tune("amos3", keys, {"latch_time.HL1": "11.6 s"}, rigid="all").settings
     """
     options = options_of(locals())
-    texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     wanted = (
         [_wanted(name, value) for name, value in targets.items()]
         if isinstance(targets, Mapping)
@@ -86,9 +85,7 @@ def tune(
     )
     measured = () if curve is None else curves(Path(curve))
     task = Task(as_scene(scene), options)
-    return _tune(
-        task, [varied(text) for text in texts], wanted, measured, workers, accuracy, most_runs, watch
-    )
+    return _tune(task, all_varied(vary), wanted, measured, workers, accuracy, most_runs, watch)
 
 
 def _wanted(name: str, value: float | str) -> Target:

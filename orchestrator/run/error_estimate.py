@@ -81,7 +81,6 @@ def with_estimates(
             settings,
             tolerance=max(TOLERANCES[0], _DECADE * settings.tolerance),
             asked_tolerance=asked,
-            snapshot_every=None,
         )
         if _LIKELY * error <= MOST_TOLERANCES * asked or finer.tolerance >= settings.tolerance:
             break
@@ -107,14 +106,13 @@ def with_estimates(
 def _coarser(settings: Settings, order: int) -> Settings:
     """Settings of the run that errors are estimated from; steps that no tolerance limits are longer as well."""
     if settings.fixed_step is not None:
-        return replace(settings, fixed_step=2.0 * settings.fixed_step, snapshot_every=None)
+        return replace(settings, fixed_step=2.0 * settings.fixed_step)
     longer = _DECADE ** (-1.0 / order)
     return replace(
         settings,
         tolerance=settings.tolerance / _DECADE,
         largest_step=longer * settings.largest_step,
         start_step=longer * settings.start_step,
-        snapshot_every=None,
     )
 
 
@@ -134,10 +132,11 @@ def _compared(outcome: Outcome, coarser: Outcome) -> Outcome:
     )
     locked = outcome.headline.latch_impulses
     in_locks = {hinge for line in outcome.result.hinge_lines if line.name in locked for hinge in line.hinges}
+    both = ours.keys() & theirs.keys()
     errors = {
-        key: abs(ours[key] - theirs[key]) if key in ours and key in theirs else inf
+        key: abs(ours[key] - theirs[key]) if key in both else inf
         for key in {**ours, **theirs}
-        if (key in ours and key in theirs) or key[0] in JUDGED
+        if key in both or key[0] in JUDGED
         if key[0] not in TORQUE_PEAKS or key[1] not in in_locks
     }
     return _with(outcome, errors)

@@ -1,4 +1,4 @@
-"""What to tell of the static equilibrium in which a scene with preload starts."""
+"""Warnings about the static equilibrium in which a scene with preload starts."""
 
 from __future__ import annotations
 

@@ -14,6 +14,7 @@ from ..assembly import HingeLine
 from ..messages import message
 from ..results.key_figures import Headline, line_latch_torque
 from ..results.line_travel import rows_joined
+from ..results.parts import MESSAGES
 from ..results.peaks import peak
 from ..results.result import Result, Vector
 
@@ -28,8 +29,9 @@ _BENT = radians(30.0)
 
 
 def messages(result: Result, found: Headline) -> tuple[str, ...]:
-    """Messages of a run, of lines that have not opened, and on the accuracy of numbers; each once."""
-    return tuple(dict.fromkeys((*result.stored_messages, *travel_warnings(result, found), *found.messages)))
+    """Messages that a run has stored, or of its lines where it was interrupted, and on the accuracy of numbers."""
+    of_run = result.stored_messages if MESSAGES in result.provenance else travel_warnings(result, found)
+    return tuple(dict.fromkeys((*of_run, *found.messages)))
 
 
 def travel_warnings(result: Result, found: Headline) -> Iterator[str]:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from components.contract.component import Vector
 
 from ...assembly import Assembly
+from ...assembly.statics.start import static_start
 from ...cosim.settings import Settings as MasterSettings
 from ...cosim.stepping import to_own_events
 from ...records import short_repr
@@ -193,7 +194,7 @@ def gradients(
     """
     _refuse(keys, options)
     parameters = [parameter(scene.tree, key) for key in keys]
-    assembly = options.assemble(scene.check_one_run())
+    assembly = static_start(options.assemble(scene.check_one_run())).assembly
     settings, end = options.settings(assembly), options.until or assembly.until
     with kept_fmus(options.backend, isolate=options.isolate) as load:
         assembly = with_energy_of_loads(assembly, settings, end, options.master, silent, load)

@@ -39,6 +39,12 @@ class Varied:
         return multiplied(tree, self.keys, value)
 
 
+def all_varied(vary: Mapping[str, str] | Sequence[str]) -> tuple[Varied, ...]:
+    """What distributions by key, or texts of `varied`, mean."""
+    texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else vary
+    return tuple(map(varied, texts))
+
+
 def varied(text: str) -> Varied:
     """What KEY=DISTRIBUTION or KEY*=DISTRIBUTION means, with keys between commas; StudyError where it means nothing."""
     left, equals, right = text.partition("=")
