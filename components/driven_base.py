@@ -143,6 +143,7 @@ class DrivenBase(Component):
     noun = "interface"
     ports_vary = True
     constant_mobility = True
+    prescribed_motion = True
     starts_from_inputs = False
 
     def __init__(self, ports: Sequence[Mapping[str, Any]]) -> None:

@@ -37,6 +37,7 @@ class FixedBase(Component):
     noun = "interface"
     ports_vary = True
     constant_mobility = True
+    prescribed_motion = True
     starts_from_inputs = False
 
     def __init__(

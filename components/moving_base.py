@@ -46,6 +46,7 @@ class MovingBase(Component):
     kind = "moving_base"
     ports_vary = True
     constant_mobility = True
+    prescribed_motion = True
     starts_from_inputs = False
 
     def __init__(

@@ -129,6 +129,8 @@ class Component(ABC):
     feedthrough: bool
     continuous: ContinuousStates | None = None
     constant_mobility: bool = False
+    prescribed_motion: bool = False
+    """Of a body, whether no wrench changes its motion."""
     observes_inputs: bool = True
     """Whether observations may follow inputs of the same instant, and not only those of steps before."""
     starts_from_inputs: bool = True

@@ -57,6 +57,7 @@ STEP_DERIVATIVE = (
     "to the inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, "
     "it is that of the outputs at the communication point, as the standard means it."
 )
+ZERO_MOBILITY = "no wrench changes the motion"
 CONSTANT_MOBILITY = (
     "The derivative of the ports' motion with respect to the wrenches held in a communication step depends on the "
     "step's size alone, in axes that turn with the first port, but for terms of the order of the angle turned in it."
@@ -137,7 +138,8 @@ def _add_annotations(root: _Element, component: Component, backend: Backend) -> 
     if backend == "native":
         said.append(("DirectionalDerivative", {"afterStep": STEP_DERIVATIVE}))
     if component.constant_mobility:
-        said.append(("Mobility", {"constant": CONSTANT_MOBILITY}))
+        zero = {"zero": ZERO_MOBILITY} if component.prescribed_motion else {}
+        said.append(("Mobility", {"constant": CONSTANT_MOBILITY, **zero}))
     if component.noun:
         said.append(("Component", {"noun": component.noun}))
     roles = [q for q in component.observation_layout.quantities if q.role]

@@ -35,6 +35,11 @@ def component_bytes(component: Component, starts: Sequence[float], token: str) -
     texts = {"kind": component.kind, "token": token, "layout": layout_digest(component)}
     texts.update((f"unit:{q.name}", q.unit) for q in component.parameter_layout.quantities)
     contents = {**{name: text.encode() for name, text in texts.items()}, **component.native_parts()}
+    return named_bytes(contents, numbers)
+
+
+def named_bytes(contents: Mapping[str, bytes], numbers: Mapping[str, ArrayLike]) -> bytes:
+    """Texts and arrays by name, as `core/data.c` reads them."""
     return _MAGIC + b"".join(
         [_entry(b"s", name, len(content), content) for name, content in contents.items()]
         + [_numbers(name, values) for name, values in numbers.items()]

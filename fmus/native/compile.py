@@ -36,8 +36,6 @@ LINK_FLAGS = ("-s", "-shared")
 """A library that FMUs carry has no names but those that hosts call."""
 ASSEMBLY = "assembly"
 """Kind of a scene with its master as one component: its kernel, in `coupling`, drives those of the others."""
-COUPLING_FLAGS = (*FLAGS, f"-I{HERE / 'coupling'}")
-"""For C files elsewhere that couple FMUs by the headers here."""
 
 
 class CompileError(Exception):

@@ -11,7 +11,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchling is there in a build only
-    """Compiles the components' library and that of the master; a wheel gets them and the documents."""
+    """Compiles the library of the components and their coupling; a wheel gets it and the documents."""
 
     PLUGIN_NAME = "custom"
 
@@ -21,13 +21,7 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
             build_data["force_include"].update(self.config["documents"])
         root = Path(self.root)
         build = _module(root / "fmus" / "native" / "compile.py")
-        cosim = root / "orchestrator" / "cosim"
-        libraries = {
-            "fmus/native/lib/fanfold": build.compile_library,
-            "orchestrator/cosim/native/_coupling": lambda target: build.compile_files(
-                [cosim / "native" / "coupling.c"], target, build.COUPLING_FLAGS
-            ),
-        }
+        libraries = {"fmus/native/lib/fanfold": build.compile_library}
         for name, make in libraries.items():
             target = root / (name + build.suffix())
             target.unlink(missing_ok=True)  # one of other sources must not pass for this one

@@ -7,35 +7,25 @@ from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from components.contract.roles import HOLD
 
-from ..assembly import Event, HingeLine, bolted_hinges
+from ..assembly import Condition, Event, HingeLine, bolted_hinges
 from ..assembly.statics.connection_at_rest import LEADING, LEADING_STEP
-from .energy_balance import Energies
-from .events.scheduled import ScheduledEvents
-from .implicit.solver import Solver
+from .coupling import Coupling
 from .network import Network
-from .participant import ParticipantError, Vector
-from .rows import Recorder, Rows
+from .participant import ParticipantError
+from .rows import Recorder
+from .scheduled_events import ScheduledEvents
+from .settings import Settings
 from .signals.exchange import SignalExchange
+from .signals.joined import recorded
 from .signals.process import SignalProcess
-
-SCENE_CHANNELS = (
-    ("step_size", "s", "Communication step size that led here"),
-    ("iterations", "1", "Sweeps over all participants in that step"),
-    ("stored_energy", "J", "Kinetic and potential energy of all participants"),
-    ("dissipated_energy", "J", "Energy dissipated by all participants since the start"),
-    ("numerical_dissipation", "J", "Energy taken by the scheme itself since the start, not a physical loss"),
-    ("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
-    ("energy_residual", "J", "Stored and lost less supplied energy, minus their value at the start"),
-)
+from .tables import coupling_tables, observed_place
 
 
 @dataclass(slots=True)
 class Statistics:
-    """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made."""
+    """What a run cost; fmu_time: seconds inside FMUs."""
 
     steps: int = 0
     sweeps: int = 0
@@ -46,7 +36,7 @@ class Statistics:
 class CoSimulation(ABC):
     """What masters share: each steps the participants in its own way, this knows where they are and records it.
 
-    time (s): of the participants. segments: sizes of all steps, one list for each stretch between events.
+    segments: sizes of all steps (s), one list for each stretch between events.
     """
 
     def __init__(
@@ -54,26 +44,34 @@ class CoSimulation(ABC):
         network: Network,
         hinge_lines: Sequence[HingeLine],
         recorder: Recorder,
-        solver: Solver,
+        settings: Settings,
         events: Sequence[Event] = (),
         signals: Sequence[SignalProcess] = (),
     ) -> None:
         self.network = network
         self.recorder = recorder
-        self.solver = solver
+        self.settings = settings
         self.statistics = Statistics()
-        self.time = 0.0
         self.segments: list[list[float]] = [[]]
         self._bolted = bolted_hinges(hinge_lines)
         self._pending = [line for line in hinge_lines if line.latches]
-        self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
-        self._sensors = self._found_sensors()
-        self._scheduled = ScheduledEvents(events, network.participants, solver.observations)
+        self._numbers = {line.name: number for number, line in enumerate(self._pending)}
+        conditional = [event for event in events if event.condition is not None]
+        self._numbers |= {
+            event.name: number for number, event in enumerate(conditional, start=len(self._pending))
+        }
+        conditions = [event.condition for event in conditional if event.condition is not None]
+        channels = sum(len(recorded(one.fmu)) for one in signals)
+        tables = coupling_tables(network, hinge_lines, conditions, settings, channels)
+        self.coupling = Coupling(network, tables, recorder)
         bodies = [body.name for body in network.bodies]
-        self._signals = SignalExchange(signals, network.participants, solver.observations, bodies)
-        self._scene = np.zeros(len(SCENE_CHANNELS) + self._signals.values.size)
-        coarse, loaded = network.coarse, {body.name for body in network.bodies}
-        self._rows = Rows(recorder, network.participants, solver.observations, self._scene, coarse, loaded)
+        self._signals = SignalExchange(signals, network.participants, self.coupling.observations, bodies)
+        self._scheduled = ScheduledEvents(events, network.participants, self._distance)
+
+    @property
+    def time(self) -> float:
+        """Time (s) of the participants."""
+        return self.coupling.time
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0.
@@ -81,9 +79,7 @@ class CoSimulation(ABC):
         With preload bodies start in static equilibrium with all hinges held, and connections are led there.
         """
         network = self.network
-        for participant in network.participants:
-            if "order" in participant.parameter_layout:
-                participant.set_parameter("order", network.order_of(participant.name))
+        self._choose_orders()
         for body in network.bodies:
             body.write()
             body.read()
@@ -95,16 +91,22 @@ class CoSimulation(ABC):
             participant.read()
         if preload:
             self._lead_connections()
-        self._energy_start = self._observe()
-        if holding := self._scheduled.holding():
+        self.coupling.start()
+        if holding := self._scheduled.holding(self._observed):
             raise ParticipantError("; ".join(holding))
         if self._signals.is_any:
             self._exchange_signals(start=True)
         self._record_start()
 
+    def _choose_orders(self) -> None:
+        """Have participants of several orders take that of the network."""
+        for participant in self.network.participants:
+            if "order" in participant.parameter_layout:
+                participant.set_parameter("order", self.network.order_of(participant.name))
+
+    @abstractmethod
     def _record_start(self) -> None:
         """The row at t = 0; of loads as the search has left them, with preload."""
-        self._record(0.0, 0)
 
     @abstractmethod
     def run(self, until: float) -> None:
@@ -120,7 +122,7 @@ class CoSimulation(ABC):
 
         Hinges are held but those that hold-downs or drives keep, and clocks stand.
         """
-        network, accepted = self.network, self.solver.accepted
+        network, accepted = self.network, self.coupling.accepted
         self._command(HOLD.name, 1.0)
         self._command(HOLD.name, 0.0, self._bolted)
         network.carry_motion()
@@ -136,17 +138,11 @@ class CoSimulation(ABC):
             body.write()
         self._command(HOLD.name, 0.0)
 
-    def _found_sensors(self) -> dict[str, tuple[Vector, int]]:
-        """Outputs, and the place among them, that tell how far each line is from its latch."""
-        sensors = {line.name: self.network.by_name[line.sensor] for line in self._pending}
-        return {
-            name: (sensor.outputs, sensor.output_layout["latch_distance"].start)
-            for name, sensor in sensors.items()
-        }
-
     def _act(self, event: Event) -> None:
         """Release and set what an event does; what settings change of the energies is supplied from outside."""
         self._scheduled.take(event)
+        if event.condition is not None:
+            self.coupling.pending[self._numbers[event.name]] = 0.0
         self.recorder.event(self.time, event.name, event.text)
         self._scheduled.release(event)
         self._without(event.releases)
@@ -156,23 +152,24 @@ class CoSimulation(ABC):
 
     def _exchange_signals(self, *, start: bool = False) -> bool:
         """Have FMUs with signals take part at this instant, or start; whether they changed anything."""
-        self._rows.release()
+        self.coupling.release_rows()
         with self._supplied():
             changed = self._signals.start() if start else self._signals.exchange(self.time)
-        # rows that are made in C leave these as they are held
-        self._rows.held()[2][len(SCENE_CHANNELS) :] = self._signals.values
+        self.coupling.signal[:] = self._signals.values
         return changed
 
     @contextmanager
     def _supplied(self) -> Iterator[None]:
         """What is set meanwhile changes energies from outside."""
-        before = self._observe()
+        before = self.coupling.observe()
         yield
-        changed = self._observe().balance - before.balance
-        self._energy_start = self._energy_start._replace(supplied=self._energy_start.supplied - changed)
+        self.coupling.supply(before)
 
     def _without(self, released: Collection[str]) -> None:
         """Lines go on with those of their hinges that are not released; without any they have no latch."""
+        for number, participant in enumerate(self.network.participants):
+            if participant.name in released:
+                self.coupling.release(number)
         lines = [
             replace(line, hinges=tuple(name for name in line.hinges if name not in released))
             for line in self._pending
@@ -182,44 +179,17 @@ class CoSimulation(ABC):
             for line in lines
             if line.hinges
         ]
-        self._sensors = self._found_sensors()
 
-    def _distance(self, line: HingeLine) -> float:
-        """How far a hinge line that has not latched is from its latch, by its sensor; falls through zero."""
-        outputs, place = self._sensors[line.name]
-        return outputs.item(place)
+    def _observed(self, condition: Condition) -> float:
+        """What a condition waits for, as last observed."""
+        return self.coupling.observations.item(observed_place(self.network.participants, condition))
+
+    def _distance(self, one: HingeLine | Event) -> float:
+        """How far a line is from its latch, or a condition from holding as last observed; falls through zero."""
+        return self.coupling.distance(self._numbers[one.name])
 
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
         """Set a discrete input of all participants that have it, or of the named ones."""
         for participant in self.network.participants:
             if name in participant.input_layout and (names is None or participant.name in names):
                 participant.inputs[participant.input_layout[name]] = value
-
-    def _advance(self, h: float) -> None:
-        """Count a step h (s) that all participants have made."""
-        self.time += h
-        self.statistics.steps += 1
-        self.segments[-1].append(h)
-
-    def _observe(self, h: float = 0.0) -> Energies:
-        """Observations of all participants, h (s) after the present time, and their energies."""
-        self._energies = self.solver.observe(self.time + h)
-        return self._energies
-
-    def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
-        """The last observations and the scene's channels to the recorder; those of an accepted step one step later."""
-        found, start = self._energies, self._energy_start
-        self._scene[len(SCENE_CHANNELS) :] = self._signals.values
-        self._scene[: len(SCENE_CHANNELS)] = (
-            h,
-            iterations,
-            found.stored,
-            found.dissipated - start.dissipated,
-            found.numerical - start.numerical,
-            found.supplied - start.supplied,
-            found.balance - start.balance,
-        )
-        if accepted:
-            self._rows.hold(self.time, continues=self.network.order == 4 and len(self.segments[-1]) > 1)
-        else:
-            self._rows.add(self.time)

@@ -10,6 +10,7 @@ stable for stiff joints: the step must resolve the highest frequency between the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from time import perf_counter
 from typing import Literal
 
 import numpy as np
@@ -18,20 +19,16 @@ from components.contract.roles import LATCH_COMMAND, LATCHED
 
 from ..assembly import Event, HingeLine
 from .cosimulation import CoSimulation
-from .implicit.convergence import Tolerance
-from .implicit.solvers import solver_for
+from .coupling import StepError
 from .network import Network
 from .participant import ParticipantError
 from .rows import Recorder
-from .settings import Settings
+from .settings import TIME_ROUNDING, Settings
 from .signals.process import SignalProcess
-from .stepping import StepError
 
 Order = Literal["jacobi", "gauss-seidel"]
 
 _BOUND = 1e15
-_PRELOAD_TOLERANCE = 1e-6
-"""Of the wrenches in the static equilibrium that a run may start from."""
 
 
 class ExplicitMaster(CoSimulation):
@@ -52,9 +49,7 @@ class ExplicitMaster(CoSimulation):
         events: Sequence[Event] = (),
         signals: Sequence[SignalProcess] = (),
     ) -> None:
-        solver = solver_for(network, Tolerance(_PRELOAD_TOLERANCE))
-        super().__init__(network, hinge_lines, recorder, solver, events, signals)
-        self.settings = settings
+        super().__init__(network, hinge_lines, recorder, settings, events, signals)
         self.order = order
 
     def initialize(self, *, preload: bool) -> None:
@@ -68,10 +63,13 @@ class ExplicitMaster(CoSimulation):
         super().initialize(preload=preload)
         self._exchange()
 
+    def _record_start(self) -> None:
+        self.coupling.add_row(0.0, 0)
+
     def run(self, until: float) -> None:
         """Step to the given time (s); StepError where values grow beyond all bounds."""
         size = self.settings.fixed_step or self.settings.largest_step
-        while self.time < until - 1e-12:
+        while self.time < until - TIME_ROUNDING:
             self._engage_latches()
             while (event := self._scheduled.due(self.time)) is not None:
                 self._act(event)
@@ -81,11 +79,15 @@ class ExplicitMaster(CoSimulation):
                 self._exchange_signals()
             remaining = min(until, self._next_stop) - self.time
             h = remaining if remaining < 1.001 * size else size
+            begin = perf_counter()
             self._step_or_fail(h)
-            self._advance(h)
+            self.statistics.fmu_time += perf_counter() - begin
+            self.coupling.time += h
+            self.segments[-1].append(h)
+            self.statistics.steps += 1
             self.statistics.sweeps += 1
-            self._observe()
-            self._record(h, 1)
+            self.coupling.observe()
+            self.coupling.add_row(h, 1)
             self.settings.progress(self.time, h)
 
     def _engage_latches(self) -> None:
@@ -137,11 +139,11 @@ class ExplicitMaster(CoSimulation):
         for connection in self.network.connections:
             connection.write()
             connection.read()
-        wrenches = self.solver.accepted
+        wrenches = self.coupling.accepted
         self.network.collect_wrenches(wrenches)
         self.network.set_wrenches(wrenches)
 
     @property
     def _bounded(self) -> bool:
-        values = np.concatenate([self.solver.accepted, *(body.outputs for body in self.network.bodies)])
+        values = np.concatenate([self.coupling.accepted, *(body.outputs for body in self.network.bodies)])
         return bool(np.abs(values).max(initial=0.0) < _BOUND)

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Collection, Mapping, Sequence
 from ctypes import (
     POINTER,
+    Structure,
     addressof,
     byref,
     c_double,
@@ -41,11 +42,9 @@ from fmus.binary import cut_short
 from fmus.host.process import LONGEST_CALL, HostError
 
 from .isolated import IsolatedFmu
-from .native.fmu_variables import described_in, said_of, says
-from .native.library import Calls, library
-from .native.shared_library import library_of, unpack
-from .participant import Matrix, ParticipantError, Vector, refuse_not_finite
-from .ports import WIDTHS, PortPlaces, Width
+from .fmu_variables import described_in, said_of, says
+from .participant import ParticipantError, ParticipantRecord, Vector, refuse_not_finite
+from .shared_library import library_of, unpack
 
 FAILURES = (
     "restore its state",
@@ -57,7 +56,7 @@ FAILURES = (
     "give observations",
     "",
 )
-"""What an FMU could not do, by the number that the native solver has for it; "" where a message says more."""
+"""What an FMU could not do, by the number that network.h has for it; "" where a message says more."""
 _FINITE, _OBSERVED = 4, 7
 _PYTHON = "PythonFMU"
 """Its FMUs make a new state with every one saved, and log texts with percent signs as they are."""
@@ -129,6 +128,7 @@ class FmuParticipant:
             annotation, "DirectionalDerivative", "afterStep"
         )
         self.constant_mobility = says(annotation, "Mobility", "constant")
+        self.prescribed_motion = says(annotation, "Mobility", "zero")
         self.noun = "" if (said := said_of(annotation, "Component")) is None else said.get("noun", "")
         self._is_python = _PYTHON in (description.generationTool or "")
         self.parameter_layout, self._parameter_references = described.parameters
@@ -204,11 +204,11 @@ class FmuParticipant:
         self._get_real, self._do_step = dll.fmi2GetReal, dll.fmi2DoStep
         self._set_state, self._get_state = dll.fmi2SetFMUstate, dll.fmi2GetFMUstate
         self._free_state = dll.fmi2FreeFMUstate
-        self.calls = self._record()
+        self.record = self._made_record()
 
-    def _record(self) -> Calls:
-        """Functions and arrays of this instance for the native solver; valid until `close`."""
-        record = Calls()
+    def _made_record(self) -> Structure:
+        """Functions and arrays of this instance for the compiled library; valid until `close`."""
+        record = ParticipantRecord()
         record.component = self._component
         for name, function in (
             ("set_real", self._set_real),
@@ -217,7 +217,7 @@ class FmuParticipant:
             ("get_state", self._get_state),
             ("set_state", self._set_state),
             ("free_state", self._free_state),
-            ("derivative", getattr(self._fmu.dll, "fmi2GetDirectionalDerivative", None)),
+            ("derivative", self._derivative()),
             ("port_stiffness", getattr(self._fmu.dll, "fanfoldGetPortStiffness", None)),
         ):
             setattr(record, name, None if function is None else cast(function, c_void_p))
@@ -233,13 +233,13 @@ class FmuParticipant:
         record.overwrites_state = not self._is_python
         return record
 
-    @property
-    def native(self) -> FmuParticipant | None:
-        """Itself, if it can return to a saved state, as the native solver always has it do."""
-        return self if self.can_restore else None
+    def _derivative(self) -> Any:  # noqa: ANN401 - of ctypes
+        """The function for derivatives of the step just made; None where it means others, or has none."""
+        offered = getattr(self._fmu.dll, "fmi2GetDirectionalDerivative", None)
+        return offered if self.directional_derivatives else None
 
-    def failure(self, call: int, status: int, time: float, h: float) -> ParticipantError:
-        """What to raise when a call of the native solver failed, by its number in `FAILURES`."""
+    def failure(self, call: int, status: int, time: float, h: float) -> BaseException:
+        """What to raise when a call of the library failed, by its number in `FAILURES`."""
         self._time = time
         try:
             if call == _FINITE:
@@ -349,36 +349,6 @@ class FmuParticipant:
         self.check(self._get_real(self._component, *self._observe_arguments), "give observations")
         self._check_finite("observation", self.observation_layout, self._observations)
         return self._observations
-
-    def interface_jacobian(self, places: PortPlaces, width: Width) -> Matrix | None:
-        """fmi2GetDirectionalDerivative of the step just made; None without the library that puts them together."""
-        compiled = library()
-        if compiled is None or not self.directional_derivatives:
-            return None
-        self._note(places)
-        matrix, slope = np.empty(width.jacobian(places)), np.empty(self.outputs.size)
-        derivatives = compiled.coupling_mobility if places.side == "body" else compiled.coupling_stiffness
-        status = derivatives(byref(self.calls), matrix.ctypes.data, slope.ctypes.data, width == WIDTHS[4])
-        self.check(status, "give derivatives")
-        return matrix
-
-    def jacobian_at_once(self, places: PortPlaces, width: Width) -> Matrix | None:
-        """fanfoldGetPortStiffness, where the FMU has it, answers for this step, and ports are of order 4."""
-        compiled = library()
-        if compiled is None or places.side == "body":
-            return None
-        self._note(places)
-        matrix = np.empty(width.jacobian(places))
-        there = compiled.coupling_stiffness_at_once(byref(self.calls), matrix.ctypes.data, width == WIDTHS[4])
-        return matrix if there else None
-
-    def _note(self, places: PortPlaces) -> None:
-        """Tell the library of the ports."""
-        self.calls.ports, self.calls.slopes, self.calls.moments = (
-            places.ports,
-            places.slopes or 0,
-            places.moments or 0,
-        )
 
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Set a parameter, also in the saved state, which is the present one between steps."""

@@ -7,15 +7,16 @@ stepping allocates nothing on the master's side.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Protocol, TypeVar
+from ctypes import CFUNCTYPE, Structure, addressof, c_double, c_int, c_size_t, c_void_p, cast, memmove
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
 from components import REGISTRY, Component, ComponentError, FanfoldError, Instance, Layout
 
+from fmus.native.records import structure
+
 from ..assembly import Part
-from .native.library import Calls
-from .ports import PortPlaces, Width
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
@@ -41,13 +42,8 @@ def refuse_not_finite(
         raise ParticipantError(f"{owner}: {what} {layout.scalar_names()[bad]} is {values[bad]}{when}")
 
 
-class NativeAccess(Protocol):
-    """What a solver in C needs to call a participant by itself."""
-
-    calls: Calls
-
-    def failure(self, call: int, status: int, time: float, h: float) -> ParticipantError:
-        """What to raise when a call failed, by its number in coupled_step.h and its FMI status."""
+ParticipantRecord = structure("Participant")
+"""A participant as the compiled library calls it."""
 
 
 class Participant(Protocol):
@@ -55,9 +51,8 @@ class Participant(Protocol):
 
     `inputs` and `outputs` are arrays in the order of `input_layout` and `output_layout`. `save` remembers
     the present state in the one slot there is; `restore` goes back to it, any number of times.
-    `noun`: what people call its kind, empty where that is not known. `constant_mobility`: of a body, see
-    `Component`; False where nothing is known. `native`: for a solver in C that makes these calls itself; None where
-    only Python can.
+    `noun`: what people call its kind, empty where that is not known. `constant_mobility`, `prescribed_motion`: of a body,
+    see `Component`; False where nothing is known. `record`: the same calls for the compiled library.
     """
 
     name: str
@@ -69,11 +64,15 @@ class Participant(Protocol):
     parameter_layout: Layout
     can_restore: bool
     constant_mobility: bool
+    prescribed_motion: bool
     noun: str
 
     @property
-    def native(self) -> NativeAccess | None:
-        """Functions and memory for a solver in C."""
+    def record(self) -> Structure:
+        """Functions and memory for the compiled library; valid until `close`."""
+
+    def failure(self, call: int, status: int, time: float, h: float) -> BaseException:
+        """What to raise when a call of the library failed, by its number in `fmu.FAILURES` and its FMI status."""
 
     def initialize(self, time: float) -> None:
         """Leave initialisation with the inputs as they are."""
@@ -102,15 +101,6 @@ class Participant(Protocol):
     def observe(self) -> Vector:
         """The observations of the present state and inputs, an array of the participant's own."""
 
-    def interface_jacobian(self, places: PortPlaces, width: Width) -> Matrix | None:
-        """Derivatives of the step just made, by the inputs it was made with; None where it cannot tell.
-
-        Of a body's motions by its wrenches (coordinates, wrenches), of a connection's wrenches by its motions.
-        """
-
-    def jacobian_at_once(self, places: PortPlaces, width: Width) -> Matrix | None:
-        """A connection's interface Jacobian where it costs no more than a few steps; None otherwise."""
-
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Change a parameter; ParticipantError for an unknown name or an impossible value."""
 
@@ -127,11 +117,79 @@ def first_observations(participants: Iterable[Participant]) -> dict[str, int]:
     return firsts
 
 
+_STATUS_ERROR = 3
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "set_real": (c_void_p, c_size_t, c_void_p),
+    "get_real": (c_void_p, c_size_t, c_void_p),
+    "do_step": (c_double, c_double, c_int),
+    "get_state": (c_void_p,),
+    "set_state": (c_void_p,),
+    "free_state": (c_void_p,),
+}
+"""Arguments of the functions that the library calls, behind the component."""
+
+
+class Callbacks:
+    """Calls of the library to a participant in Python."""
+
+    def __init__(self, participant: Participant) -> None:
+        self._participant, self._failure = participant, None
+        self._saved = c_void_p()
+        self.record = record = ParticipantRecord()
+        outputs, observations = participant.outputs, participant.observation_layout.size
+        calls: dict[str, Callable[..., object]] = {
+            "set_real": lambda *_: participant.write(),
+            "get_real": lambda _, count, to: self._read(to, at_ports=to == outputs.ctypes.data),
+            "do_step": lambda time, h, _: participant.do_step(time, h),
+            "get_state": lambda _: self._save(),
+            "set_state": lambda _: participant.restore(),
+            "free_state": lambda _: None,
+        }
+        self._functions = {name: self._function(name, call) for name, call in calls.items()}
+        for name, function in self._functions.items():
+            setattr(record, name, cast(function, c_void_p))
+        record.inputs, record.outputs, record.observations = (
+            participant.inputs.size,
+            outputs.size,
+            observations,
+        )
+        record.input, record.output = participant.inputs.ctypes.data, outputs.ctypes.data
+        record.saved = addressof(self._saved)
+        record.overwrites_state = True
+
+    def _function(self, name: str, call: Callable[..., object]) -> Any:  # noqa: ANN401 - of ctypes
+        def called(_: object, *arguments: Any) -> int:  # noqa: ANN401
+            try:
+                call(*arguments)
+            except BaseException as error:  # which would be lost on its way through C
+                self._failure = error
+                return _STATUS_ERROR
+            return 0
+
+        return CFUNCTYPE(c_int, c_void_p, *_FUNCTIONS[name])(called)
+
+    def _read(self, to: int, *, at_ports: bool) -> None:
+        """Outputs, which are where the participant has them, or observations, to their place among all."""
+        if at_ports:
+            self._participant.read()
+        else:
+            found = np.ascontiguousarray(self._participant.observe())
+            memmove(to, found.ctypes.data, found.nbytes)
+
+    def _save(self) -> None:
+        self._participant.save()
+        self._saved.value = 1
+
+    def failure(self) -> BaseException:
+        """What the participant raised last."""
+        assert self._failure is not None
+        return self._failure
+
+
 class InProcess:
     """A component as a participant, without an FMU around it."""
 
     can_restore = True
-    native = None
 
     def __init__(
         self, name: str, component: Component, start: Mapping[str, float | Sequence[float]] | None = None
@@ -139,6 +197,7 @@ class InProcess:
         self.name = name
         self.component = component
         self.constant_mobility = component.constant_mobility
+        self.prescribed_motion = component.prescribed_motion
         self.noun = component.noun
         self.parameter_layout = component.parameter_layout
         self.input_layout = component.input_layout
@@ -149,6 +208,19 @@ class InProcess:
         self.inputs = self._instance.inputs
         self._trying(lambda: self._instance.constants)
         self._saved = self._instance.state
+        self._callbacks: Callbacks | None = None
+
+    @property
+    def record(self) -> Structure:
+        """Calls of the methods here."""
+        if self._callbacks is None:
+            self._callbacks = Callbacks(self)
+        return self._callbacks.record
+
+    def failure(self, call: int, status: int, time: float, h: float) -> BaseException:
+        """What a method raised."""
+        assert self._callbacks is not None
+        return self._callbacks.failure()
 
     def _trying(self, act: Callable[[], T]) -> T:
         """What the component gives; what it refuses, with the name of the participant."""
@@ -207,12 +279,6 @@ class InProcess:
         found = self._trying(self._instance.observe)
         refuse_not_finite(self.name, "observation", self.observation_layout, found)
         return found
-
-    def interface_jacobian(self, places: PortPlaces, width: Width) -> None:
-        """Components tell of their steps by differences only."""
-
-    def jacobian_at_once(self, places: PortPlaces, width: Width) -> None:
-        """Differences take many steps."""
 
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Change a parameter; it acts from the next step on."""

@@ -32,11 +32,6 @@ class Width(NamedTuple):
     wrench: int
     coordinates: int
 
-    def jacobian(self, places: PortPlaces) -> tuple[int, int]:
-        """Rows and columns of a participant's interface Jacobian, see `Participant.interface_jacobian`."""
-        sizes = self.coordinates * places.ports, self.wrench * places.ports
-        return sizes if places.side == "body" else sizes[::-1]
-
 
 WIDTHS = {2: Width(6, 12), 4: Width(12, 18)}
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from ..assembly import Driving
 from .ports import Order
 
+TIME_ROUNDING = 1e-12  # s, what sums of step sizes may leave
+
 
 @dataclass(frozen=True, slots=True)
 class Settings:
@@ -21,7 +23,6 @@ class Settings:
     an earlier run to follow, one list per segment between events. driving: reference energy and load of the scene.
     order: of the coupling; None: the best one. snapshot_every: time (s) between snapshots for `keep` of the master;
     they change last digits. asked_tolerance: tolerance that results are compared with, if a smaller one is used.
-    compiled: whether a run uses `CompiledMaster`.
     """
 
     tolerance: float = 1e-4
@@ -34,5 +35,4 @@ class Settings:
     order: Order | None = None
     snapshot_every: float | None = None
     asked_tolerance: float | None = None
-    compiled: bool = True
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)

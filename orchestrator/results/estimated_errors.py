@@ -106,7 +106,7 @@ def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
     """Magnitude below which all loads of a kind (N or N.m) are round-off relative to loads at base, hinges, latches.
 
     Iterations end relative to these and to 1 N (N.m), or less in scenes with less energy, see
-    `cosim.implicit.convergence.Tolerance`; their residuals in several joints add up.
+    `Tolerance` of native/coupling/network.h; their residuals in several joints add up.
     """
     known = dict(numbers)
     loads = (value for key, value in known.items() if key[0] in (*_LOADS, *POINT_PEAKS, "latch torque peak"))

@@ -18,11 +18,11 @@ import numpy as np
 
 from components.cache.disk import replace_file
 
-from ..cosim.implicit.snapshot import Snapshot
+from ..cosim.snapshot import Snapshot
 from ..results.result_file import Place
 from .errors import RunError
 
-_FORMAT = 7
+_FORMAT = 8
 _DAMAGES = (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
 """What NumPy, JSON and ZIP raise of files whose bytes are not what they should be."""
 

@@ -25,20 +25,18 @@ from fmus.archive import content_digest
 from ..assembly import Assembly, Part
 from ..assembly.second_order import second_order_modes
 from ..assembly.statics.start import static_start
-from ..cosim.compiled_master import CompiledMaster
-from ..cosim.cosimulation import SCENE_CHANNELS
+from ..cosim.coupling import StepError
 from ..cosim.explicit import ExplicitMaster
 from ..cosim.fmu import FmuParticipant
-from ..cosim.implicit.snapshot import Snapshot
 from ..cosim.master import Master
 from ..cosim.network import Network, NetworkError
 from ..cosim.participant import Participant, ParticipantError
 from ..cosim.ports import Order
-from ..cosim.rows import Recorder, recorded_layout
+from ..cosim.rows import SCENE_CHANNELS, Recorder, recorded_layout
 from ..cosim.settings import Settings
 from ..cosim.signals.joined import recorded
 from ..cosim.signals.process import SignalProcess
-from ..cosim.stepping import StepError
+from ..cosim.snapshot import Snapshot
 from ..messages import message
 from ..results.earlier import SETTINGS
 from ..results.key_figures import Headline, headline
@@ -283,9 +281,11 @@ def _follow(
         resumed.refuse_other(assembly.name, same)
     recorder = _recorder(assembly, output, groups, provenance, resumed)
     with recorder as writer, ExitStack() as stack:
-        clocks = [stack.enter_context(_timed(p)) for p in participants]
         signals = _signal_processes(assembly, settings.tolerance, stack, warn)
-        runner = _runner(assembly, network, writer, settings, kind, signals)
+        try:
+            runner = _runner(assembly, network, writer, settings, kind, signals)
+        except ParticipantError as error:
+            raise RunError(f"{assembly.name}: {error}") from None
 
         def keep(snapshot: Snapshot) -> None:
             if isinstance(writer, ResultWriter):
@@ -307,7 +307,7 @@ def _follow(
             raise _broken_off(sentence, writer, InterruptedRunError) from None
         wall = perf_counter() - start
         statistics = runner.statistics
-        fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time + sum(s.seconds for s in signals)
+        fmu_time = statistics.fmu_time + sum(s.seconds for s in signals)
         costs = Costs(statistics.steps, statistics.sweeps, statistics.rejected, wall, fmu_time / wall)
         writer.statistics(costs.as_dict(end))
     if output is not None:
@@ -329,8 +329,7 @@ def _runner(
     lines, events = assembly.hinge_lines, assembly.events
     if kind != "implicit":
         return ExplicitMaster(network, lines, writer, settings, kind, events, signals)
-    master = CompiledMaster if settings.compiled else Master
-    return master(network, lines, writer, settings, events, signals)
+    return Master(network, lines, writer, settings, events, signals)
 
 
 def _signal_processes(
@@ -382,24 +381,6 @@ def _broken_off(
         return kind(f"{sentence}; {where}", reason=sentence)
     where = "the error's attribute `result` is what it did up to there"
     return kind(f"{sentence}; {where}", recorder.result(), sentence)
-
-
-@contextmanager
-def _timed(participant: Participant) -> Iterator[list[float]]:
-    """Add up the time that a participant's steps take; the sum is the list's one number."""
-    clock = [0.0]
-    step = participant.do_step
-
-    def timed_step(time: float, h: float) -> None:
-        begin = perf_counter()
-        step(time, h)
-        clock[0] += perf_counter() - begin
-
-    participant.do_step = timed_step  # type: ignore[method-assign]
-    try:
-        yield clock
-    finally:
-        participant.do_step = step  # type: ignore[method-assign]
 
 
 def signal_groups(network: Network) -> list[SignalGroup]:

@@ -14,7 +14,6 @@ from fmus import Backend, native_library
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..assembly.statics.start import static_start
-from ..cosim.native.library import missing_compiled_code
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
 from ..messages import coded, is_note, message
@@ -217,7 +216,6 @@ def _missing_parts(options: Options) -> Iterator[str]:
     """Warnings of what the installation lacks."""
     sentences = {
         "W-backend": missing_backend(options.backend),
-        "W-compiled-code": missing_compiled_code(),
         "W-cache": unwritable_cache(),
     }
     yield from (message(code, sentence) for code, sentence in sentences.items() if sentence)

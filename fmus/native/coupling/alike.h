@@ -4,7 +4,11 @@
 #ifndef FANFOLD_ALIKE_H
 #define FANFOLD_ALIKE_H
 
-#include "master.h"
+#include "sequence.h"
+
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
 
 /* MOST_NOTED: steps of the master within one communication step. */
 enum { MOST_NOTED = 4096 };
@@ -31,31 +35,11 @@ typedef struct {
 } NotedSteps;
 
 /* Have the next turn try the size that was noted. */
-static void tell_size(const NotedSteps *noted, Loop *l) {
-    l->plan = NULL;
-    if (noted->mode != REPEATS_STEPS || !noted->count) return;
-    l->plan = &noted->step[noted->at < noted->count ? noted->at : noted->count - 1].size;
-    l->planned = 1;
-}
-
-/* Note a step just made, or that it is as it was noted; 0 where it is not, or where there is no room. */
-static int note_step(NotedSteps *noted, Master *m, int meets) {
-    if (noted->mode == NOTES_STEPS) {
-        if (noted->count == MOST_NOTED) {
-            snprintf(m->said, sizeof m->said, "derivatives are those of %d steps of the master at the most; this "
-                     "communication step has more", MOST_NOTED);
-            return 0;
-        }
-        noted->step[noted->count++] = (NotedStep){m->tried, meets};
-    } else if (noted->mode == REPEATS_STEPS) {
-        if (noted->at == noted->count || (noted->step[noted->at].meets != 0.0) != meets) return 0;
-        noted->at++;
-    }
-    return 1;
-}
-
+void tell_size(const NotedSteps *noted, Coupling *c);
+/* Note a step just made, or that it is as it was noted; 0 and a sentence where it is not, or where there is no room. */
+int note_step(NotedSteps *noted, const Coupling *c, int meets, char *said, size_t size);
 /* Whether a run that repeats steps has any left. */
-static int has_left(const NotedSteps *noted) { return noted->at < noted->count; }
+int has_left(const NotedSteps *noted);
 
 /* How exactly a run solves its steps, and whether it repeats others. */
 typedef struct {
@@ -63,12 +47,11 @@ typedef struct {
     size_t repeats;
 } Exactness;
 
-static Exactness set_exactness(Master *m, Exactness wanted) {
-    const Exactness before = {m->usual_relative, m->stalled, m->repeats};
-    m->usual_relative = m->network.tolerance.relative = wanted.iterated;
-    m->stalled = wanted.stalled;
-    m->repeats = wanted.repeats;
-    return before;
-}
+/* From now on, as wanted; what was before. */
+Exactness set_exactness(Coupling *c, Exactness wanted);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

@@ -5,11 +5,14 @@
    depend on the communication step size, and small ones cost nothing. */
 
 #define _POSIX_C_SOURCE 200112L
-#define EXPORT static
-
 #include "assembly_model.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
+
+#include "prediction.h"
+#include "scheme.h"
 
 #define SAME_EVENT 1e-9 /* s */
 #define MOST_STEPS_INSIDE 1e6 /* of a communication step: from seconds to minutes */
@@ -19,78 +22,32 @@
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 enum { OF_LINE = 3 }; /* outputs of each */
 
-/* Numbers of the master that are in no array, to or from `scalars`. */
-static void exchange_scalars(Assembly *a, int write) {
-    Master *m = &a->master;
-    Loop *l = &m->loop;
-    EnergyGuard *g = &m->guard;
-    History *past = &m->network.history;
-    double *place = a->scalars;
-    double *doubles[] = {&a->last_row_time, &l->time,      &m->sizes.worst, &m->error.energy, &g->kinetic,
-                         &g->power,     &g->rounding,   &m->segment,     &m->held_segment, &l->rows.held_time,
-                         &m->event_time, &m->is_crossed, past->times,   past->times + 1, past->times + 2, g->last,         g->last + 1,
-                         g->last + 2,   g->last + 3,    g->last + 4,     g->powers,        g->powers + 1,
-                         g->powers + 2, g->powers + 3};
-    size_t *counts[] = {&past->count, &g->trials, &l->position, &l->rows.held, &m->steps, &m->rejected,
-                        &m->network.watched_count};
-    ptrdiff_t *signs[] = {&m->sizes.level, &m->sizes.wait, &m->sizes.stirred};
-    for (size_t i = 0; i < sizeof doubles / sizeof *doubles; i++, place++)
-        write ? (void)(*place = *doubles[i]) : (void)(*doubles[i] = *place);
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++, place++)
-        write ? (void)(*place = (double)*counts[i]) : (void)(*counts[i] = (size_t)*place);
-    for (size_t i = 0; i < sizeof signs / sizeof *signs; i++, place++)
-        write ? (void)(*place = (double)*signs[i]) : (void)(*signs[i] = (ptrdiff_t)*place);
-}
-
-/* Watched loads, whose numbers follow the scalars. */
-static void exchange_watched(Assembly *a, double *place, int write) {
-    Network *n = &a->master.network;
-    for (size_t i = 0; i < n->watched_count; i++, place += 7) {
-        Watched *w = a->master.watched + i;
-        if (write) {
-            const double numbers[] = {(double)w->connection, (double)w->port, (double)w->row, w->axis[0],
-                                      w->axis[1],            w->axis[2],      w->weight};
-            memcpy(place, numbers, sizeof numbers);
-        } else {
-            *w = (Watched){(size_t)place[0], (size_t)place[1], (size_t)place[2], {place[3], place[4], place[5]}, place[6]};
-        }
-    }
-    n->watched = a->master.watched;
-}
-
 /* Room for the numbers of a run that a saved state holds; NULL first to learn how many they are. */
 static size_t arrange_standing(Assembly *a, double *first) {
-    Master *m = &a->master;
-    Network *n = &m->network;
-    RowBlock *r = &m->loop.rows;
-    size_t used = 0;
+    Sequence *s = &a->sequence;
+    size_t used = coupling_arrange(&s->coupling, first);
 #define TAKE(pointer, count) (pointer = first ? (void *)(first + used) : NULL, used += (count))
-    TAKE(a->scalars, SCALARS + 7 * MOST_HINGES * (m->lines + m->strikes));
+    TAKE(a->scalars, OWN_SCALARS);
     TAKE(a->in_force, a->parameter_count);
-    TAKE(n->accepted, n->size);
-    TAKE(n->history.values, POINTS * n->size);
-    TAKE(r->held_observations, r->observations);
-    TAKE(r->held_scene, CHANNELS);
-    TAKE(m->energy_start, ENERGIES);
-    TAKE(m->before_lines, m->lines);
-    TAKE(m->before_events, m->events);
-    for (size_t i = 0; i < m->lines; i++) {
-        HingeLine *line = m->line + i;
-        TAKE(line->pending, 1);
-        TAKE(line->sensor, 1);
-        TAKE(line->latch_time, 1);
-        TAKE(line->latch_rate, 1);
-        TAKE(line->released, line->hinges);
-        TAKE(line->stiffened, sizeof(StiffenedLine) / sizeof(double));
-    }
-    for (size_t i = 0; i < m->events; i++) TAKE(m->event[i].pending, 1);
-    for (Strike *s = m->strike; s < m->strike + m->strikes; s++) {
-        TAKE(s->before, 1);
-        TAKE(s->waits, 1);
-        TAKE(s->struck, sizeof(StiffenedLine) / sizeof(double));
+    TAKE(s->latch_time, s->coupling.lines);
+    TAKE(s->latch_rate, s->coupling.lines);
+    for (Event *e = s->event; e < s->event + s->events; e++) {
+        if (e->crossing) e->pending = first ? s->coupling.pending + (e->crossing - s->coupling.crossing) : NULL;
+        else TAKE(e->pending, 1);
     }
 #undef TAKE
     return used;
+}
+
+/* Numbers of a run that are in no array, to or from the standing ones. */
+static void exchange_scalars(Assembly *a, int write) {
+    Sequence *s = &a->sequence;
+    double steps = (double)s->steps, rejected = (double)s->rejected;
+    double *own[OWN_SCALARS] = {&a->last_row_time, &s->event_time, &s->is_crossed, &steps, &rejected};
+    coupling_exchange_scalars(&s->coupling, write);
+    for (size_t i = 0; i < OWN_SCALARS; i++) write ? (void)(a->scalars[i] = *own[i]) : (void)(*own[i] = a->scalars[i]);
+    s->steps = (size_t)steps;
+    s->rejected = (size_t)rejected;
 }
 
 /* The slot of a snapshot, 0 for the newest. */
@@ -107,9 +64,8 @@ static void keep_snapshot(Assembly *a) {
     a->newest = (a->newest + 1) % SNAPSHOTS;
     double *place = snapshot_of(a, 0);
     exchange_scalars(a, 1);
-    exchange_watched(a, a->scalars + SCALARS, 1);
     *place++ = a->run_serial = ++a->last_run;
-    *place++ = a->master.loop.time;
+    *place++ = a->sequence.coupling.progress.time;
     memcpy(place, a->standing, a->standing_size * sizeof(double));
     place += a->standing_size;
     for (size_t i = 0; i < a->participants; i++) {
@@ -134,11 +90,10 @@ static void take_parameters(Assembly *a, size_t i) {
 
 /* Stand where the run stood in a snapshot, those after it being forgotten; 0 where a participant cannot. */
 static int take_snapshot(Assembly *a, size_t number) {
-    Master *m = &a->master;
+    Coupling *c = &a->sequence.coupling;
     const double *place = snapshot_of(a, number) + 2;
     memcpy(a->standing, place, a->standing_size * sizeof(double));
     exchange_scalars(a, 0);
-    exchange_watched(a, a->scalars + SCALARS, 0);
     place += a->standing_size;
     for (size_t i = 0; i < a->participants; i++) {
         Instance *instance = a->instance[i];
@@ -148,20 +103,15 @@ static int take_snapshot(Assembly *a, size_t number) {
         memcpy(a->input[i], place, instance->sizes.inputs * sizeof(double));
         memcpy(instance->values + instance->ends[0], place, instance->sizes.inputs * sizeof(double));
         place += instance->sizes.inputs;
-        instance->time = m->loop.time;
+        instance->time = c->progress.time;
         instance->mode = MODE_STEP;
         instance->has_state = 1;
         instance->stepped = instance->event_due = instance->outputs_known = instance->observations_known = 0;
     }
-    memcpy(m->network.wrenches, m->network.accepted, m->network.size * sizeof(double));
-    forget_all(&m->solver);
-    m->loop.rows.count = m->loop.made = 0;
     a->newest = slot_of(a, number);
     a->snapshots -= number;
     while (a->rows && a->ring[(a->rows - 1) * a->row_size] > a->last_row_time) a->rows--;
-    if (!coupling_save(&m->network) || !restore_all(&m->network) || !observe_all(m)) return 0;
-    watch_all(m);
-    return 1;
+    return network_save(&c->network) && coupling_stand(c);
 }
 
 /* What a peak is the largest of, in a sum of weighted rows of a ring that follow one another. */
@@ -215,7 +165,6 @@ static double crest(const double *times, const double *values, size_t count) {
 static void note_peaks(Assembly *a, size_t row) {
     const double *ring = a->ring, segment = ring[row * a->row_size + 1];
     size_t count = 1;
-    if (segment < 0.0) return; /* a state between the impulses of a lock */
     while (count <= row && ring[(row - count) * a->row_size + 1] == segment) count++;
     for (size_t i = 0; i < a->peak_count; i++) {
         double times[RING], values[RING];
@@ -237,8 +186,7 @@ static void take_row(void *taker, double time, double segment, const double *val
         a->rows--;
     }
     double *row = a->ring + a->rows++ * a->row_size;
-    /* the instant after an event lies behind it, where another may follow at once */
-    row[0] = a->last_row_time = a->rows > 1 ? fmax(time, a->last_row_time) : time;
+    row[0] = a->last_row_time = time;
     row[1] = segment;
     memcpy(row + 2, values, (a->row_size - 2) * sizeof(double));
     if (time <= a->target) note_peaks(a, a->rows - 1);
@@ -252,45 +200,52 @@ static int set_parameter(void *taker, size_t participant, size_t place, double v
     return instance_save(instance, a->saved + participant) <= STATUS_WARNING;
 }
 
-/* What was said last of why it cannot go on; 0. */
+/* Why it cannot go on; 0. */
 static int refuse_run(Assembly *a, Reason *why) {
+    const Coupling *c = &a->sequence.coupling;
+    const Progress *p = &c->progress;
     a->stands = 0;
-    return refuse(why, "%s", a->said[0] ? a->said : a->master.said[0] ? a->master.said : "the run cannot go on");
+    if (p->failure == OF_STEP)
+        return refuse(why, "the step of %.3g s from t = %.6f s does not converge: the wrench of %s still changes by %.3g "
+                      "times its tolerance; loosen the tolerance or check that connection's stiffness", p->h, p->time,
+                      a->link_name[p->worst_row / c->network.width.wrench], p->correction);
+    return refuse(why, "%s", a->said[0] ? a->said : "the run cannot go on");
 }
 
 /* One turn; what it leads to is kept where it leads on. */
 static int go_further(Assembly *a) {
-    Master *m = &a->master;
-    const size_t steps = m->steps, happened = m->happened, rejected = m->rejected;
-    const double event_time = m->event_time;
-    tell_size(&a->noted, &m->loop);
-    if (!take_turn(m)) return 0;
-    if (m->steps != steps && !note_step(&a->noted, m, m->event_time != event_time)) return 0;
-    if (a->noted.mode == REPEATS_STEPS && m->rejected != rejected) return 0;
-    if (m->steps != steps || m->happened != happened) keep_snapshot(a);
+    Sequence *s = &a->sequence;
+    const size_t steps = s->steps, happened = s->happened, rejected = s->rejected;
+    const double event_time = s->event_time;
+    tell_size(&a->noted, &s->coupling);
+    if (!take_turn(s)) return 0;
+    const int meets = s->event_time != event_time;
+    if (s->steps != steps && !note_step(&a->noted, &s->coupling, meets, a->said, sizeof a->said)) return 0;
+    if (a->noted.mode == REPEATS_STEPS && s->rejected != rejected) return 0;
+    if (s->steps != steps || s->happened != happened) keep_snapshot(a);
     return 1;
 }
 
 /* Whether the run has gone through an event after the communication point, and up to a time. */
 static int met_event(const Assembly *a, double time) {
-    const double rounding = a->master.rules.time_rounding, at = a->master.event_time;
-    return at > a->time + rounding && at <= time + rounding;
+    const double at = a->sequence.event_time;
+    return at > a->time + TIME_ROUNDING && at <= time + TIME_ROUNDING;
 }
 
 /* Let all happen that is due at the same instant as an event. */
 static int end_event(Assembly *a) {
     int fine = 1;
-    while (fine && due_event(&a->master)) fine = go_further(a);
+    while (fine && due_event(&a->sequence)) fine = go_further(a);
     return fine;
 }
 
 /* Step until a time exactly, or through an event before it (to_event). */
 static int run_to(Assembly *a, double until, int to_event) {
-    Loop *l = &a->master.loop;
+    Coupling *c = &a->sequence.coupling;
     int fine = 1;
-    l->until = until;
-    while (fine && l->time < until - a->master.rules.time_rounding && !(to_event && met_event(a, until))) fine = go_further(a);
-    l->until = INFINITY;
+    c->request.until = until;
+    while (fine && c->progress.time < until - TIME_ROUNDING && !(to_event && met_event(a, until))) fine = go_further(a);
+    c->request.until = INFINITY;
     return fine;
 }
 
@@ -305,7 +260,7 @@ static int run_past(Assembly *a, double time, int to_event) {
 
 /* Participants out of initialization, bodies before what is connected to them. */
 static int initialize_participants(Assembly *a) {
-    Network *n = &a->master.network;
+    Network *n = &a->sequence.coupling.network;
     for (size_t i = 0; i < n->participants; i++) {
         Instance *instance = a->instance[i];
         const size_t inputs = instance->sizes.inputs;
@@ -316,7 +271,7 @@ static int initialize_participants(Assembly *a) {
     }
     for (size_t i = 0; i < n->participants; i++) {
         const Participant *p = n->participant + i;
-        if (i == n->bodies) give_motions(n);
+        if (i == n->bodies) network_give_motions(n);
         if (instance_set(p->component, p->input_references, a->instance[i]->sizes.inputs, a->input[i]) > STATUS_WARNING ||
             (i < n->bodies && p->get_real(p->component, p->output_references, p->outputs, p->output) > FMI_WARNING))
             return 0;
@@ -376,8 +331,8 @@ static void store(Assembly *a, double *x) {
                                  a->peak_time,
                                  a->driven_step,
                                  a->longest_step,
-                                 (double)a->master.steps,
-                                 (double)a->master.rejected,
+                                 (double)a->sequence.steps,
+                                 (double)a->sequence.rejected,
                                  (double)a->at_event};
     memcpy(x, first, sizeof first);
     x += OUTER;
@@ -419,25 +374,17 @@ static void destroy(void *self) {
     }
 }
 
-/* All that follows from the data; 0 and a sentence where they are unusable. */
+/* All of an assembly; 0 and a sentence where its data are unusable. */
 static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
-    Master *m = &a->master;
-    m->solver.loop = &m->loop;
-    m->taker = a;
-    m->row = take_row;
-    m->set_parameter = set_parameter;
-    if (!read_settings(a, data, why) || !create_participants(a, data, memory, why) || !create_network(a, data, memory, why) ||
-        !create_jacobians(a, data, memory, why) || !create_lines(a, data, memory, why) ||
-        !create_strikes(a, data, memory, why) ||
-        !create_events(a, data, memory, why) || !create_commands(a, data, sizes, memory, why) ||
-        !create_peaks(a, data, sizes, memory, why) ||
-        !create_loop(a, data, sizes, memory, why) ||
-        !read_names(a, data, memory, why) || !read_rest(a, data, why))
-        return 0;
+    Sequence *s = &a->sequence;
+    s->taker = a;
+    s->row = take_row;
+    s->set_parameter = set_parameter;
+    if (!assembly_furnish(a, data, sizes, memory, why)) return 0;
     a->parameter_count = a->first_parameter[a->participants];
     a->input_count = a->first_input[a->participants];
     const size_t own = a->driven.is_there ? 2 : 1;
-    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + OF_LINE * m->lines + a->peak_count)
+    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + OF_LINE * s->coupling.lines + a->peak_count)
         return refuse(why, "the assembly declares %lu parameters, its components and its master have %lu",
                       (unsigned long)sizes->parameters, (unsigned long)(a->parameter_count + own));
     a->standing_size = arrange_standing(a, NULL);
@@ -455,7 +402,6 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
         !a->noted.step || !a->noted.wanted)
         return refuse(why, "no memory for the state of an assembly");
     arrange_standing(a, a->standing);
-    m->loop.energy_start = m->energy_start;
     return 1;
 }
 
@@ -468,25 +414,6 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     if (a) destroy(a);
     else refuse(why, "no memory for an assembly");
     return NULL;
-}
-
-/* Error of a step that a run with a tolerance may make: see _allowed in orchestrator/cosim/stepping.py. */
-static double allowed_error(const double *by, double tolerance, double order, double loose) {
-    const double ratio = tolerance / by[REFERENCE_TOLERANCE];
-    return by[ALLOWED_SHARE] * tolerance * pow(ratio, ratio < 1.0 ? 1.0 / order : -loose);
-}
-
-static void take_tolerance(Assembly *a, double tolerance) {
-    Master *m = &a->master;
-    const double *by = a->by_tolerance;
-    m->usual_relative = fmin(fmax(by[ITERATED] * tolerance, by[LEAST_ITERATED]), by[MOST_ITERATED]);
-    m->network.tolerance.relative = m->usual_relative;
-    const double share = fmin(1.0, sqrt(tolerance / by[REFERENCE_TOLERANCE]));
-    m->sizes.largest = share * by[LARGEST_STEP];
-    m->sizes.smallest = share * by[SMALLEST_STEP];
-    m->start_step = fmin(share * by[START_STEP], m->sizes.largest);
-    m->error.allowed = allowed_error(by, tolerance, (double)m->sizes.order, by[LOOSE]);
-    m->error.resolved = allowed_error(by, tolerance, 2.0, by[LOOSE_AT_ORDER_2]);
 }
 
 /* Every component checks its own; they take them where the run comes to it. How a driven base takes its rates and the
@@ -503,18 +430,20 @@ static int prepare(void *self, const double *p, Reason *why) {
     memcpy(a->wanted, p, a->parameter_count * sizeof(double));
     p += a->parameter_count;
     a->meets_rates = a->driven.is_there && *p++ > 0.5;
-    take_tolerance(a, *p);
+    coupling_take_tolerance(&a->sequence.coupling, *p);
     return 1;
 }
 
 static int initial(void *self, const double *u, double *x, Reason *why) {
     Assembly *a = self;
-    Master *m = &a->master;
+    Sequence *s = &a->sequence;
+    Network *n = &s->coupling.network;
+    int fine;
     for (size_t i = 0; a->driven.is_there && i < BASE_RATES; i++)
         if (u[a->driven.first + i] != 0.0)
             return refuse(why, "the base has a rate of %g at the start; the scene starts at rest, so begin with rates of "
                           "zero and lead them to what they are to be", u[a->driven.first + i]);
-    a->said[0] = m->said[0] = '\0';
+    a->said[0] = '\0';
     a->rows = a->snapshots = 0;
     a->time = a->target = 0.0;
     a->peak_time = -1.0;
@@ -529,12 +458,11 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     a->driven_step = a->longest_step = 0.0;
     a->at_event = NO_EVENT;
     a->run_serial = ++a->last_run;
-    for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
-        *line->pending = 1.0;
-        *line->latch_time = -1.0;
-    }
-    for (Event *e = m->event; e < m->event + m->events; e++) *e->pending = 1.0;
-    if (!initialize_participants(a) || !begin_run(m, a->rest_wrenches)) return refuse_run(a, why);
+    if (!initialize_participants(a)) return refuse_run(a, why);
+    if (a->rest_wrenches) memcpy(n->accepted, a->rest_wrenches, n->size * sizeof(double));
+    const Event *met = begin_run(s, &fine);
+    if (met) return refuse(why, "the condition of event %s holds from the start", a->event_name[met - s->event]);
+    if (!fine) return refuse_run(a, why);
     keep_snapshot(a);
     store(a, x);
     return 1;
@@ -542,10 +470,9 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
 
 /* Stand at the communication point itself; at an event the run does. */
 static int go_back(Assembly *a) {
-    const double rounding = a->master.rules.time_rounding;
     size_t number = 0;
     if (a->at_event) return 1;
-    while (number + 1 < a->snapshots && time_of(a, number) > a->time + rounding) number++;
+    while (number + 1 < a->snapshots && time_of(a, number) > a->time + TIME_ROUNDING) number++;
     return (number == 0 || take_snapshot(a, number)) && run_to(a, a->time, 0);
 }
 
@@ -558,12 +485,11 @@ static double acting(const Assembly *a, size_t at) {
 
 /* Go back to the communication point and let what the host has changed act there. */
 static int change(Assembly *a, const double *u) {
-    Master *m = &a->master;
+    Sequence *s = &a->sequence;
+    Network *n = &s->coupling.network;
     size_t latches = 0;
-    size_t latch[64];
-    double before = 0.0;
-    if (!go_back(a)) return 0;
-    if (!balance_before(m, &before)) return 0;
+    if (!go_back(a) || !network_observe(n)) return 0;
+    const double before = balance_of(n->energies);
     for (size_t i = 0; i < a->participants; i++)
         for (size_t k = 0; k < a->instance[i]->sizes.parameters; k++) {
             const size_t at = a->first_parameter[i] + k;
@@ -571,15 +497,15 @@ static int change(Assembly *a, const double *u) {
             if (value != a->in_force[at] && !set_parameter(a, i, k, value)) return 0;
         }
     memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
-    if (!supply(m, before)) return 0;
+    if (!coupling_supply(&s->coupling, before)) return 0;
     for (size_t i = 0; i < a->commands; i++) {
         const Command *c = a->command + i;
         if (!(u[i] > 0.5 && a->inputs[i] <= 0.5)) continue;
-        if (c->is_release) release_one(m, &c->release);
-        else if (latches < sizeof latch / sizeof *latch) latch[latches++] = c->line;
+        if (c->is_release) release_one(s, &c->release);
+        else a->latching[latches++] = c->line;
     }
     memcpy(a->inputs, u, a->commands * sizeof(double));
-    if (!go_on(m, latch, latches)) return 0;
+    if (!go_on(s, a->latching, latches)) return 0;
     keep_snapshot(a);
     return 1;
 }
@@ -640,19 +566,18 @@ static void drive_to_rates(Assembly *a, const double *u, double h) {
 /* Step to the next communication point exactly, or through an event before it, with the base driven to it; rows end
    there. */
 static int run_driven(Assembly *a, const double *u, double h, int to_event) {
-    RowBlock *r = &a->master.loop.rows;
+    Coupling *c = &a->sequence.coupling;
     if (!go_back(a)) return 0;
     if (a->meets_rates) drive_to_rates(a, u, h);
     else drive(a, u, h);
-    coupling_restart(&a->master.network); /* loads of other accelerations tell nothing of those to come */
-    begin_segment(&a->master);
+    history_clear(&c->network); /* loads of other accelerations tell nothing of those to come */
+    coupling_begin_segment(c);
     if (!run_to(a, a->time + h, to_event)) return 0;
-    if (r->held) hand_on_held(r);
-    r->held = 0;
-    hand_on_rows(&a->master);
+    rows_release(&c->rows);
+    hand_on_rows(&a->sequence);
     memcpy(a->inputs, u, a->inputs_count * sizeof(double));
     keep_snapshot(a);
-    a->driven_step = fmin(h, a->master.loop.time - a->time);
+    a->driven_step = fmin(h, c->progress.time - a->time);
     return 1;
 }
 
@@ -666,7 +591,7 @@ static int has_changed(const Assembly *a, const double *u) {
 /* Whether a communication step (s) from a state comes to its end soon enough: nothing can interrupt it, and each step
    inside has to move time on. */
 static int is_made_soon(const Assembly *a, const double *x, double h, Reason *why) {
-    const StepSizes *sizes = &a->master.sizes;
+    const StepSizes *sizes = &a->sequence.coupling.sizes;
     const double end = x[AT_TIME] + h;
     if (!(h <= MOST_STEPS_INSIDE * sizes->largest))
         return refuse(why, "a communication step of %g s needs %.2g steps inside, and at most %g are made; make more "
@@ -680,7 +605,8 @@ static int is_made_soon(const Assembly *a, const double *x, double h, Reason *wh
 
 /* Stand where a state was written down, and let what the host has changed act there. */
 static int begin(Assembly *a, const double *x, const double *u) {
-    a->said[0] = a->master.said[0] = '\0';
+    a->said[0] = '\0';
+    a->sequence.coupling.progress.failure = NO_FAILURE;
     if (!stand(a, x)) return 0;
     a->stands = 0;
     return !has_changed(a, u) || change(a, u);
@@ -708,7 +634,7 @@ static int step_to_event(void *self, const double *x, const double *u, double *h
     if (!is_made_soon(a, x, *h, why)) return 0;
     if (!begin(a, x, u) || !run_on(a, u, *h, 1)) return refuse_run(a, why);
     *due = met_event(a, a->time + *h);
-    const double end = *due ? a->master.event_time : a->time + *h;
+    const double end = *due ? a->sequence.event_time : a->time + *h;
     *h = *due ? fmin(*h, end - a->time) : *h;
     a->at_event = *due ? BEFORE_EVENT : NO_EVENT;
     a->time = end;
@@ -720,7 +646,7 @@ static int step_to_event(void *self, const double *x, const double *u, double *h
 static int make_alike(Assembly *a, const double *x, const double *u, double h) {
     a->stands = 0;
     if (!begin(a, x, u) || !run_on(a, u, h, 0)) return 0;
-    if (!a->master.is_crossed || fabs(a->master.event_time - a->time - h) > SAME_EVENT) return 1;
+    if (!a->sequence.is_crossed || fabs(a->sequence.event_time - a->time - h) > SAME_EVENT) return 1;
     snprintf(a->said, sizeof a->said, "the step ends where something latches or a condition is met, sooner or later with "
              "values a little different; outputs have no derivatives there");
     return 0;
@@ -730,6 +656,7 @@ static int step_alike(void *self, const double *x, const double *u, double h, in
                       Reason *why) {
     static const Exactness exact = {ALIKE_ITERATED, ALIKE_STALLED, 1};
     Assembly *a = self;
+    Coupling *c = &a->sequence.coupling;
     NotedSteps *noted = &a->noted;
     Exactness usual = {0.0, 0.0, 0};
     noted->mode = again ? REPEATS_STEPS : NOTES_STEPS;
@@ -739,12 +666,12 @@ static int step_alike(void *self, const double *x, const double *u, double h, in
         noted->count = 0, noted->gives = -1;
         memcpy(noted->wanted, a->wanted, a->parameter_count * sizeof(double));
     }
-    if (again) usual = set_exactness(&a->master, exact);
+    if (again) usual = set_exactness(c, exact);
     const int fine = make_alike(a, x, u, h);
     const int strays = again && noted->at != noted->count;
-    if (again) set_exactness(&a->master, usual);
+    if (again) set_exactness(c, usual);
     noted->mode = noted->acts = 0;
-    a->master.loop.plan = NULL;
+    c->request.plan = NULL;
     if (fine && !strays) {
         a->at_event = NO_EVENT;
         a->time += h;
@@ -752,7 +679,7 @@ static int step_alike(void *self, const double *x, const double *u, double h, in
     }
     a->stands = 0;
     if (fine && !strays) return 1;
-    if (!a->said[0] && !a->master.said[0])
+    if (!a->said[0])
         snprintf(a->said, sizeof a->said, "with values a little different another event comes first or a step is made "
                  "otherwise; outputs have no derivatives there");
     return refuse_run(a, why);
@@ -818,7 +745,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     const Assembly *a = self;
     const double *first;
     double weights[FITTED];
-    const size_t count = weigh_rows(a, x, weights, &first), columns = a->master.loop.rows.columns;
+    const size_t count = weigh_rows(a, x, weights, &first), columns = a->sequence.coupling.rows.columns;
     (void)u;
     memset(z, 0, columns * sizeof(double));
     for (size_t i = 0; i < count; i++)
@@ -835,9 +762,10 @@ static int has_latched(const double *x, double latch_time) {
 
 static void outputs(void *self, const double *x, const double *u, double *y) {
     const Assembly *a = self;
+    const Sequence *s = &a->sequence;
     const double *first;
     double weights[FITTED];
-    const size_t count = weigh_rows(a, x, weights, &first), channels = 2 + a->master.loop.rows.columns + 2;
+    const size_t count = weigh_rows(a, x, weights, &first), channels = 2 + a->sequence.coupling.rows.columns + 2;
     const double *peaks = ring_of(a, x) - a->peak_count, *standing = newest_of(a, x) + 2;
     (void)u;
     memset(y, 0, TOLD * sizeof(double));
@@ -847,11 +775,11 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
     y[STEPS] = x[AT_STEPS];
     y[REJECTED_STEPS] = x[AT_REJECTED];
     y += TOLD;
-    for (const HingeLine *line = a->master.line; line < a->master.line + a->master.lines; line++) {
-        const double latch_time = standing[line->latch_time - a->standing];
+    for (size_t k = 0; k < s->coupling.lines; k++) {
+        const double latch_time = standing[s->latch_time + k - a->standing];
         const int is_latched = has_latched(x, latch_time);
         *y++ = is_latched ? latch_time : -1.0;
-        *y++ = is_latched ? standing[line->latch_rate - a->standing] : 0.0;
+        *y++ = is_latched ? standing[s->latch_rate + k - a->standing] : 0.0;
         *y++ = is_latched;
     }
     /* what stands at the communication point itself is between two rows */

@@ -1,10 +1,14 @@
-/* An FMI 2.0 FMU as the native solver sees it, and the derivatives of its last step in the coordinates of the ports. */
+/* A participant as the coupling calls it, by functions like those of FMI 2.0, and the derivatives of its last step in the
+   coordinates of its ports. */
 
 #ifndef FANFOLD_PARTICIPANT_H
 #define FANFOLD_PARTICIPANT_H
 
 #include <stddef.h>
-#include <string.h>
+
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
 
 enum { WRENCH = 6, POSE = 6, RATES = 6, MOMENTS = 6, MOTION = 13 };
 enum { FMI_WARNING = 1 };
@@ -18,127 +22,26 @@ typedef int FreeState(void *, void **);
 typedef int PortStiffness(void *, size_t, double *);
 typedef int Derivative(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
 
-/* An FMU: its functions, its arrays, and the cell of its saved state; the links of its ports. */
-typedef struct {
-    void *component;
-    SetReal *set_real;
-    GetReal *get_real;
-    DoStep *do_step;
-    GetState *get_state;
-    SetState *set_state;
-    FreeState *free_state;
-    Derivative *derivative;
-    PortStiffness *port_stiffness; /* of a connection that has all columns at once; or NULL */
-    const unsigned *input_references, *output_references, *observation_references;
-    size_t inputs, outputs, observations, overwrites_state;
-    double *input, *output, *observation;
-    void **saved;
-    size_t ports, slopes, moments; /* where slopes of wrenches and moments of rates begin beside the rest; 0: none */
-    const size_t *links;
-    double *turned; /* a body's mobility (coordinates, wrenches), a connection's stiffness (wrenches, coordinates),
-                       of all ports; NULL for a body that never moves */
-} Participant;
+#include "records.h"
 
 /* Numbers of a port: of its wrench, with slope, and of its motion as coordinates: pose, moments, rates. */
 typedef struct {
     size_t wrench, coordinates;
 } Width;
 
-static Width width_of(int with_slopes) {
-    return with_slopes ? (Width){2 * WRENCH, POSE + MOMENTS + RATES} : (Width){WRENCH, POSE + RATES};
-}
-
-/* Derivatives of a body's outputs by one of its inputs, as a column of its mobility. */
-static void note_mobility(const Participant *p, Width width, const double *slope, double *column) {
-    const size_t columns = width.wrench * p->ports;
-    for (size_t port = 0; port < p->ports; port++) {
-        const double *d = slope + MOTION * port, *q = p->output + MOTION * port + 3, *dq = d + 3;
-        double *out = column + width.coordinates * port * columns;
-        double *rates = out + (width.coordinates - RATES) * columns;
-        for (size_t k = 0; k < 3; k++) {
-            const size_t a = 1 + (k + 1) % 3, b = 1 + (k + 2) % 3;
-            out[k * columns] = d[k];
-            /* rotation vector: twice the vector part of dq times the conjugate of q */
-            out[(3 + k) * columns] = 2.0 * (q[0] * dq[k + 1] - dq[0] * q[k + 1] - dq[a] * q[b] + dq[b] * q[a]);
-        }
-        for (size_t k = 0; k < RATES; k++) rates[k * columns] = d[7 + k];
-        for (size_t k = POSE; k + RATES < width.coordinates; k++)
-            out[k * columns] = p->moments ? slope[p->moments + MOMENTS * port + k - POSE] : 0.0;
-    }
-}
+Width width_of(int with_slopes);
 
 /* Derivative of a body's motions (coordinates, wrenches) by its wrenches over the step just made; slope: room for all
    outputs. FMI status. */
-static int mobility_of(const Participant *p, Width width, double *matrix, double *slope) {
-    const double seed = 1.0;
-    for (size_t column = 0; column < width.wrench * p->ports; column++) {
-        const size_t port = column / width.wrench, k = column % width.wrench;
-        const size_t input = k < WRENCH ? WRENCH * port + k : p->slopes + WRENCH * port + k - WRENCH;
-        if (k >= WRENCH && !p->slopes)
-            memset(slope, 0, p->outputs * sizeof(double));
-        else {
-            const int status = p->derivative(p->component, p->output_references, p->outputs,
-                                             p->input_references + input, 1, &seed, slope);
-            if (status > FMI_WARNING) return status;
-        }
-        note_mobility(p, width, slope, matrix + column);
-    }
-    return 0;
-}
+int participant_mobility(const Participant *p, Width width, double *matrix, double *slope);
+/* Derivative of a connection's wrenches (wrenches, coordinates) by its motions over the step just made; slope: room for
+   all outputs. FMI status. */
+int participant_stiffness(const Participant *p, Width width, double *matrix, double *slope);
+/* The same at once; 0 where a participant does not offer that. */
+int participant_stiffness_at_once(const Participant *p, Width width, double *matrix);
 
-/* What a coordinate of a port's motion changes in the inputs of a connection: `count` of them from `start` on. */
-typedef struct {
-    size_t start, count;
-    double seed[4];
-} Displacement;
-
-static Displacement displacement(const Participant *p, Width width, size_t port, size_t k) {
-    Displacement found = {MOTION * port + k, 1, {1.0, 0.0, 0.0, 0.0}};
-    if (k >= width.coordinates - RATES) {
-        found.start = MOTION * port + 7 + k - (width.coordinates - RATES);
-    } else if (k >= POSE) {
-        found.start = p->moments + MOMENTS * port + k - POSE;
-        found.count = p->moments ? 1 : 0;
-    } else if (k >= 3) { /* half of the rotation vector (a pure quaternion) times q */
-        const double *q = p->input + MOTION * port + 3;
-        const size_t i = k - 3, a = (i + 1) % 3, b = (i + 2) % 3;
-        found.start = MOTION * port + 3;
-        found.count = 4;
-        found.seed[0] = -0.5 * q[1 + i];
-        found.seed[1 + i] = 0.5 * q[0];
-        found.seed[1 + a] = -0.5 * q[1 + b];
-        found.seed[1 + b] = 0.5 * q[1 + a];
-    }
-    return found;
-}
-
-/* The same matrix as `stiffness_of` at once, about the step just made; 0 where a participant does not offer that. */
-static int stiffness_at_once(const Participant *p, Width width, double *matrix) {
-    return p->port_stiffness && p->slopes && p->moments && width.wrench == 2 * WRENCH &&
-           p->port_stiffness(p->component, p->ports, matrix) <= FMI_WARNING;
-}
-
-/* Derivative of a connection's wrenches (wrenches, coordinates) by its motions over the step just made; slope: room
-   for all outputs. FMI status. */
-static int stiffness_of(const Participant *p, Width width, double *matrix, double *slope) {
-    const size_t columns = width.coordinates * p->ports;
-    if (stiffness_at_once(p, width, matrix)) return 0;
-    for (size_t column = 0; column < columns; column++) {
-        const Displacement by = displacement(p, width, column / width.coordinates, column % width.coordinates);
-        memset(slope, 0, p->outputs * sizeof(double));
-        if (by.count) {
-            const int status = p->derivative(p->component, p->output_references, p->outputs,
-                                             p->input_references + by.start, by.count, by.seed, slope);
-            if (status > FMI_WARNING) return status;
-        }
-        for (size_t port = 0; port < p->ports; port++) {
-            double *out = matrix + width.wrench * port * columns + column;
-            for (size_t k = 0; k < WRENCH; k++) out[k * columns] = slope[WRENCH * port + k];
-            for (size_t k = WRENCH; k < width.wrench; k++)
-                out[k * columns] = p->slopes ? slope[p->slopes + WRENCH * port + k - WRENCH] : 0.0;
-        }
-    }
-    return 0;
-}
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

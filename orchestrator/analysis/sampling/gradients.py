@@ -24,7 +24,7 @@ from components.contract.component import Vector
 from ...assembly import Assembly
 from ...assembly.statics.start import static_start
 from ...cosim.settings import Settings as MasterSettings
-from ...cosim.stepping import to_own_events
+from ...cosim.step_plan import to_own_events
 from ...records import short_repr
 from ...results.key_figures import Number
 from ...results.round_off import noise_floor

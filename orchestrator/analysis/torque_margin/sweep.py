@@ -21,11 +21,11 @@ from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
 from ...assembly.locked_at_start import bolts_across, without_bolts
 from ...assembly.statics.start import static_start
+from ...cosim.coupling import StepError
 from ...cosim.master import Master
 from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, Participant, ParticipantError, Vector
 from ...cosim.settings import Settings
-from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
 from ...run.run import Loader, RunError, kept_fmus
 from ...scene import PlacedScene

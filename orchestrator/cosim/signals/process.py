@@ -12,8 +12,8 @@ from components.cache.temporary import process_folder
 from fmus.host.process import LONGEST_CALL, FmuProcess, HostError
 
 from ...assembly import SignalFmu
-from ..native.shared_library import unpack
 from ..participant import ParticipantError
+from ..shared_library import unpack
 
 _MOST_WARNINGS = 5
 """Different warnings of one FMU that are told."""

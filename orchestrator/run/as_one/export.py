@@ -11,9 +11,9 @@ from components import ComponentError
 from fmus import CompileError, Experiment, FmiVersion, build_fmu, cross_compiled
 
 from ...assembly import Assembly
+from ...cosim.coupling import StepError
 from ...cosim.participant import ParticipantError
 from ...cosim.settings import Settings
-from ...cosim.stepping import StepError
 from ...scene.table import SceneError
 from ..errors import RunError
 from .component import AssembledScene

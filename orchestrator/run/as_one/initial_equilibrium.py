@@ -37,12 +37,13 @@ def rest(assembly: Assembly, settings: Settings, order: Order) -> Mapping[str, A
         network = Network(participants, assembly.links, order)
         master = Master(network, assembly.hinge_lines, NoRecorder(), settings, assembly.events)
         master.initialize(preload=True)
+        wrenches = master.coupling.accepted.copy()
         found = master.snapshot()
     names = [participant.name for participant in network.participants]
     return {
         "rest_states": np.concatenate([_states(found.states[name]) for name in names]),
         "rest_inputs": np.concatenate([found.arrays[f"inputs {name}"] for name in names]),
-        "rest_wrenches": found.arrays["accepted"],
+        "rest_wrenches": wrenches,
     }
 
 

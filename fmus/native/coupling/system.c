@@ -1,0 +1,152 @@
+/* The linear system of a coupled step: I - stiffness x mobility from matrices turned to the present orientations. */
+
+#include "system.h"
+
+#include <math.h>
+#include <string.h>
+
+/* m, of positions whose rounding ports have at least: bodies reach beyond their ports, which may lie in the origin */
+#define LEAST_REACH 1.0
+
+/* A matrix (rows, columns) of 3-vectors over 3-vectors, turned from the axes it was made in to those of `motion`;
+   of every `period` rows only the first `used`. */
+static INLINE void turn(const JacobianBlock *block, const double *motion, size_t rows, size_t columns, size_t period,
+                        size_t used, double *restrict turned) {
+    double now[9], t[9];
+    const double *before = block->axes;
+    axes_of(motion, now);
+    for (size_t i = 0; i < 3; i++)
+        for (size_t j = 0; j < 3; j++)
+            t[3 * i + j] = now[3 * i] * before[3 * j] + now[3 * i + 1] * before[3 * j + 1] +
+                           now[3 * i + 2] * before[3 * j + 2];
+    for (size_t row = 0; row < rows; row += 3) {
+        if (row % period >= used) continue;
+        const double *a = block->matrix + row * columns, *b = a + columns, *c = b + columns;
+        for (size_t i = 0; i < 3; i++) {
+            double *restrict out = turned + (row + i) * columns;
+            const double t0 = t[3 * i], t1 = t[3 * i + 1], t2 = t[3 * i + 2];
+            for (size_t j = 0; j < columns; j++) out[j] = t0 * a[j] + t1 * b[j] + t2 * c[j];
+            for (size_t j = 0; j < columns; j += 3) {
+                const double p = out[j], q = out[j + 1], r = out[j + 2];
+                out[j] = p * t[0] + q * t[1] + r * t[2];
+                out[j + 1] = p * t[3] + q * t[4] + r * t[5];
+                out[j + 2] = p * t[6] + q * t[7] + r * t[8];
+            }
+        }
+    }
+}
+
+/* How many of a port's coordinates wrenches depend on: all, or all but the rates. */
+static INLINE size_t coordinates_used(const Network *n) {
+    const Width width = n->width;
+    for (size_t i = n->bodies; i < n->participants; i++) {
+        const size_t ports = n->participant[i].ports;
+        const double *rates = n->stiffness[i - n->bodies].matrix + width.coordinates - RATES;
+        for (size_t k = 0; k < width.wrench * ports * ports; k++, rates += width.coordinates)
+            for (size_t j = 0; j < RATES; j++)
+                if (rates[j] != 0.0) return width.coordinates; /* one that is not a number as well */
+    }
+    return width.coordinates - RATES;
+}
+
+/* Largest component of one of a port's quantities over all connections: of its MOTION numbers, [first, last). */
+static INLINE double largest_of_ports(const Network *n, size_t first, size_t last) {
+    double largest = 0.0;
+    for (size_t i = n->bodies; i < n->participants; i++)
+        for (size_t port = 0; port < n->participant[i].ports; port++)
+            for (size_t k = first; k < last; k++)
+                largest = fmax(largest, fabs(n->participant[i].input[MOTION * port + k]));
+    return largest;
+}
+
+/* Largest size of a coordinate, whose rounding ports cannot agree better than. */
+static INLINE double size_of(const Network *n, size_t coordinate, double rate) {
+    if (coordinate < POSE) return coordinate < 3 ? n->reach : 1.0;
+    return coordinate < n->width.coordinates - RATES ? rate * n->h : rate;
+}
+
+/* Wrenches that the rounding of a connection's motions makes. */
+static INLINE void note_round_off(Network *n, const Participant *p, double rate) {
+    const Width width = n->width;
+    for (size_t row = 0; row < width.wrench * p->ports; row++) {
+        const double *stiffness = p->turned + row * width.coordinates * p->ports;
+        double sum = 0.0;
+        for (size_t port = 0; port < p->ports; port++, stiffness += width.coordinates)
+            for (size_t k = 0; k < width.coordinates; k++) sum += fabs(stiffness[k]) * size_of(n, k, rate);
+        n->round_off[width.wrench * p->links[row / width.wrench] + row % width.wrench] = ROUND_OFF * sum;
+    }
+}
+
+/* Subtract stiffness x mobility of one connection; returns the parts of the matrix not used yet. */
+static INLINE const Part *subtract_connection(Network *n, const Participant *p, size_t used, const Part *part) {
+    const Width width = n->width;
+    const size_t rows = width.wrench * p->ports, wrench = width.wrench;
+    for (size_t port = 0; port < p->ports; port++) {
+        const Link *l = n->link + p->links[port];
+        const Participant *body = n->participant + l->body;
+        const size_t columns = wrench * body->ports;
+        if (!body->turned) continue;
+        memset(n->product, 0, rows * columns * sizeof(double));
+        subtract_product(n->product, columns, p->turned + width.coordinates * port, width.coordinates * p->ports,
+                         body->turned + width.coordinates * l->body_port * columns, columns, rows, used, columns);
+        for (size_t row = 0; row < rows; row += wrench)
+            for (size_t column = 0; column < columns; column += wrench, part++)
+                for (size_t i = 0; i < wrench; i++)
+                    for (size_t j = 0; j < wrench; j++)
+                        n->matrix.values[part->offset + i * part->stride + j] +=
+                            n->product[(row + i) * columns + column + j];
+    }
+    return part;
+}
+
+VECTORISED void system_assemble(Network *n) {
+    Matrix *m = &n->matrix;
+    const Width width = n->width;
+    const size_t used = coordinates_used(n);
+    for (size_t i = 0; i < n->participants; i++) {
+        const Participant *p = n->participant + i;
+        if (!p->turned) continue; /* a body that never moves */
+        if (i < n->bodies)
+            turn(n->mobility + i, p->output, width.coordinates * p->ports, width.wrench * p->ports,
+                 width.coordinates, used, p->turned);
+        else if (!participant_stiffness_at_once(p, width, p->turned))
+            turn(n->stiffness + i - n->bodies, p->input, width.wrench * p->ports, width.coordinates * p->ports, 1, 1,
+                 p->turned);
+    }
+    memset(m->values, 0, m->length * sizeof(double));
+    for (size_t g = 0; g < m->groups; g++) {
+        const size_t rows = m->begin[g + 1] - m->begin[g];
+        for (size_t i = 0; i < rows; i++) m->values[m->blocks[g].offset + i * (rows + 1)] = 1.0;
+    }
+    const double rate = largest_of_ports(n, 7, MOTION);
+    n->reach = fmax(LEAST_REACH, largest_of_ports(n, 0, 3));
+    const Part *part = n->parts;
+    for (size_t i = n->bodies; i < n->participants; i++) {
+        note_round_off(n, n->participant + i, rate);
+        part = subtract_connection(n, n->participant + i, used, part);
+    }
+    n->singular = !factorize_blocks(m);
+}
+
+VECTORISED void system_direction(const Network *n, const double *residual, double *result) {
+    if (n->singular) {
+        memcpy(result, residual, n->size * sizeof(double));
+        return;
+    }
+    const Matrix *m = &n->matrix;
+    const size_t wrench = n->width.wrench;
+    for (size_t i = 0; i < n->links; i++)
+        memcpy(m->ordered + n->link[i].place, residual + wrench * i, wrench * sizeof(double));
+    solve_blocks(m, m->ordered);
+    for (size_t i = 0; i < n->links; i++)
+        memcpy(result + wrench * i, m->ordered + n->link[i].place, wrench * sizeof(double));
+}
+
+void system_turn_bodies(Network *n) {
+    for (size_t i = 0; i < n->bodies; i++) {
+        const Participant *p = n->participant + i;
+        if (p->turned)
+            turn(n->mobility + i, p->output, n->width.coordinates * p->ports, n->width.wrench * p->ports, 1, 1,
+                 p->turned);
+    }
+}

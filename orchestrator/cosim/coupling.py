@@ -1,0 +1,393 @@
+"""Participants under way, as the compiled library couples them: what a master has it do, and what came of it.
+
+The numerics are in `fmus/native/coupling`: one communication step, its size, events met in it, and what events make of loads
+and latches. What happens when is the master's.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Mapping, Sequence
+from ctypes import CDLL, POINTER, byref, c_char, c_char_p, c_double, c_int, c_size_t, c_void_p, sizeof
+from enum import IntEnum
+from functools import cache
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from components import FanfoldError
+from fmus import native_library
+from fmus.native.binary_data import named_bytes
+from fmus.native.records import structure
+
+from .energy_balance import Energies
+from .network import Network
+from .participant import ParticipantError, ParticipantRecord, Vector
+from .rows import Recorder
+
+_ROOM = 160
+"""Rows, and so steps, after which an advance comes back at the latest."""
+_SENTENCE = 512
+_POINTER, _REAL, _SIZE = c_void_p, c_double, c_size_t
+_Progress, _Request = structure("Progress"), structure("Request")
+_FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
+    "create": ((c_void_p, _SIZE, c_char_p, _SIZE, _SIZE, c_void_p), _POINTER),
+    "free": ((_POINTER,), None),
+    "request": ((_POINTER,), POINTER(_Request)),
+    "progress": ((_POINTER,), POINTER(_Progress)),
+    "array": ((_POINTER, c_char_p, c_void_p), _POINTER),
+    "set": ((_POINTER, _REAL, c_int), None),
+    "start": ((_POINTER,), c_int),
+    "record_start": ((_POINTER,), c_int),
+    "advance": ((_POINTER,), c_int),
+    "give_in": ((_POINTER,), None),
+    "watch": ((_POINTER,), None),
+    "save": ((_POINTER,), c_int),
+    "restore": ((_POINTER,), c_int),
+    "observe": ((_POINTER,), c_int),
+    "note_roughness": ((_POINTER, _REAL), c_int),
+    "record_jump": ((_POINTER, _REAL, c_int, c_int), c_int),
+    "is_untold": ((_POINTER,), c_int),
+    "impulse": ((_POINTER, _REAL), c_int),
+    "record_impulse": ((_POINTER,), None),
+    "engage": ((_POINTER, _SIZE, c_int), _REAL),
+    "release": ((_POINTER, _SIZE), None),
+    "judge_loads": ((_POINTER,), None),
+    "supply": ((_POINTER, _REAL), c_int),
+    "renew": ((_POINTER, _REAL), None),
+    "restart": ((_POINTER, _REAL), None),
+    "begin_segment": ((_POINTER,), None),
+    "size": ((_POINTER,), _REAL),
+    "smallest": ((_POINTER,), _REAL),
+    "instant": ((_REAL,), _REAL),
+    "distance": ((_POINTER, _SIZE), _REAL),
+    "rows": ((_POINTER,), _SIZE),
+    "take_rows": ((_POINTER,), None),
+    "release_rows": ((_POINTER,), None),
+    "sweeps": ((_POINTER,), _SIZE),
+    "seconds": ((_POINTER,), _REAL),
+    "forget": ((_POINTER, c_int), None),
+    "predict": ((_POINTER, _REAL, c_void_p), None),
+    "step_after_jump": ((_POINTER, _REAL, c_void_p), _REAL),
+    "add_row": ((_POINTER, _REAL, _REAL), None),
+    "write_state": ((_POINTER,), None),
+    "stand": ((_POINTER,), c_int),
+}
+
+
+class StepError(FanfoldError):
+    """A step failed at every size: a sentence with the connection, the residual and the time."""
+
+
+class Stop(IntEnum):
+    """Why an advance came back, as in coupling.h.
+
+    PAUSED: to report. REACHED: an accepted step ended where something latches or a condition holds. BROKE: it ended at a
+    break of a law. TOO_LONG, UNSOLVED: a planned step has to be divided, for the balance of energy or to converge.
+    STOPPED_SHORT: no step can be made.
+    """
+
+    PAUSED = 0
+    REACHED = 1
+    BROKE = 2
+    TOO_LONG = 3
+    UNSOLVED = 4
+    STOPPED_SHORT = 5
+
+
+class Advance(NamedTuple):
+    """Steps that were made: why they ended, their sizes (s), and how many were rejected.
+
+    crossed: number of the crossing that ended the last step, lines first, then conditions; with reached, the others that
+    fall through zero at that instant. lets_go: whether a hold-down does there.
+    """
+
+    stop: Stop
+    steps: list[float]
+    rejected: int
+    crossed: int
+    reached: list[int]
+    lets_go: bool
+
+
+_OF_STEP = 2
+
+
+@cache
+def _library() -> CDLL:
+    """The compiled library; ParticipantError where it was not built, or was built from another version of its source."""
+    path = native_library()
+    again = "install Fanfold again (pip install)"
+    if path is None:
+        raise ParticipantError(f"the library of the master was not built at installation; {again}")
+    records = [structure(name) for name in ("Participant", "Request", "Progress")]
+    try:
+        found = CDLL(str(path))
+        sizes = (c_size_t * len(records))()
+        found.fanfold_sizes(sizes)
+        for name, (arguments, result) in _FUNCTIONS.items():
+            function = getattr(found, f"fanfold_{name}")
+            function.argtypes, function.restype = arguments, result
+    except (OSError, AttributeError):
+        raise ParticipantError(f"{path.name} is of another version than its source; {again}") from None
+    if list(sizes) != [sizeof(record) for record in records]:
+        raise ParticipantError(f"{path.name} is of another version than its source; {again}")
+    return found
+
+
+class Coupling:
+    """The participants of a network from one event to the next.
+
+    `time` (s) is theirs. Arrays are memory of the library, which goes with this: wrenches of the last solution (size,), accepted ones of the last
+    accepted step; observations of all participants in order as last observed; pending (crossings,), whether a line or a
+    condition is waited for; signal, channels of FMUs with signals. What a participant or a step cannot do is raised as
+    ParticipantError or StepError.
+    """
+
+    def __init__(self, network: Network, tables: Mapping[str, ArrayLike], recorder: Recorder) -> None:
+        self.network, self._recorder = network, recorder
+        self._library = library = _library()
+        participants = network.participants
+        self._records = (ParticipantRecord * len(participants))(*(p.record for p in participants))
+        content, sentence = named_bytes({}, tables), (c_char * _SENTENCE)()
+        handle = library.fanfold_create(
+            self._records, len(participants), content, len(content), _ROOM, sentence
+        )
+        if not handle:
+            raise ParticipantError(sentence.value.decode() or "no memory for a network")
+        self._handle = c_void_p(handle)
+        self._free = weakref.finalize(self, library.fanfold_free, self._handle)
+        self._request, self._progress = (
+            library.fanfold_request(self._handle).contents,
+            library.fanfold_progress(self._handle).contents,
+        )
+        self.wrenches, self.accepted = self._array("wrenches"), self._array("accepted")
+        self.observations, self.signal = self._array("observations"), self._array("signal")
+        self.pending = self._array("pending")
+        self._energies, self._state = self._array("energies"), self._array("state")
+        self._reached, self._passed = self._array("reached"), self._array("passed")
+        self._steps, self._times = self._array("steps"), self._array("times")
+        self._values = self._array("values").reshape(_ROOM, -1)
+
+    def _array(self, name: str) -> Vector:
+        count = c_size_t()
+        address = self._library.fanfold_array(self._handle, name.encode(), byref(count))
+        if not count.value:
+            return np.zeros(0)
+        memory = (c_double * count.value).from_address(address)
+        return np.ctypeslib.as_array(memory)
+
+    def settle_for(self, tolerance: float, *, persistent: bool, fixed_step: float | None) -> None:
+        """Accuracy of a run; persistent: whether a slow iteration is made before a step is given up; fixed_step (s)."""
+        self._library.fanfold_set(self._handle, tolerance, persistent)
+        self._request.fixed_step = fixed_step or 0.0
+
+    @property
+    def time(self) -> float:
+        """Time (s) of the participants."""
+        return float(self._progress.time)
+
+    @time.setter
+    def time(self, time: float) -> None:
+        self._progress.time = time
+
+    @property
+    def size(self) -> float:
+        """Size (s) of the next step, where it is chosen."""
+        return float(self._library.fanfold_size(self._handle))
+
+    @property
+    def smallest(self) -> float:
+        """Smallest size (s) that accuracy may ask for."""
+        return float(self._library.fanfold_smallest(self._handle))
+
+    @property
+    def energies(self) -> Energies:
+        """As last observed."""
+        return Energies(*self._energies.tolist())
+
+    @property
+    def costs(self) -> tuple[int, float]:
+        """Sweeps so far, and time (s) inside participants."""
+        return self._library.fanfold_sweeps(self._handle), self._library.fanfold_seconds(self._handle)
+
+    def distance(self, crossing: int) -> float:
+        """How far a line is from its latch, or a condition from holding; falls through zero."""
+        return float(self._library.fanfold_distance(self._handle, crossing))
+
+    def start(self) -> None:
+        """Stand at t = 0 with participants that are initialised; energies count from what they observe there."""
+        self.pending[:] = 1.0
+        self._check(self._library.fanfold_start(self._handle))
+
+    def record_start(self) -> None:
+        """After what else acts at t = 0: the row there, with loads just after it, and a state to step from."""
+        self._check(self._library.fanfold_record_start(self._handle))
+        self.hand_on_rows()
+
+    def advance(
+        self, until: float, event_time: float, pause_time: float = inf, plan: Sequence[float] | None = None
+    ) -> Advance:
+        """Step, at most until a time, until something happens: see `Stop`.
+
+        event_time (s): of the next event that has one. pause_time (s): after which step to come back. plan: sizes (s) of
+        the next steps, in place of chosen ones.
+        """
+        request, progress = self._request, self._progress
+        request.until, request.event_time, request.pause_time = until, event_time, pause_time
+        sizes = None if plan is None else np.array(plan)
+        if sizes is not None:
+            request.plan, request.planned = sizes.ctypes.data, len(sizes)
+        try:
+            stop = Stop(self._library.fanfold_advance(self._handle))
+        finally:
+            request.plan = None
+            self.hand_on_rows()
+        steps = self._steps[: progress.made].tolist()
+        reached = np.flatnonzero(self._reached).tolist() if stop == Stop.REACHED else []
+        return Advance(
+            stop, steps, progress.rejected, progress.crossed, reached, bool(steps and progress.lets_go)
+        )
+
+    def give_in(self) -> None:
+        """Let pass what a planned step leaves open of the balance of energy."""
+        self._library.fanfold_give_in(self._handle)
+
+    def watch(self) -> None:
+        """Note how far all is from what may happen."""
+        self._library.fanfold_watch(self._handle)
+
+    def restore(self) -> None:
+        """Take all participants back to their saved states."""
+        self._check(self._library.fanfold_restore(self._handle))
+
+    def save(self) -> None:
+        """The present states are those to return to."""
+        self._check(self._library.fanfold_save(self._handle))
+
+    def observe(self) -> Energies:
+        """Have all participants observed where they stand."""
+        self._check(self._library.fanfold_observe(self._handle))
+        return self.energies
+
+    def instant(self, size: float) -> float:
+        """A step (s) too short for motion, beside steps of a size (s)."""
+        return float(self._library.fanfold_instant(size))
+
+    def note_roughness(self) -> None:
+        """Before an event acts: what loads of an instant are off those that steps tell."""
+        self._check(self._library.fanfold_note_roughness(self._handle, self.instant(self.size)))
+
+    def record_jump(self, after: float, *, others: bool = False, keeps_bodies: bool = False) -> bool:
+        """A row with what an event makes of loads, an instant (s) after it; whether that instant could be solved.
+
+        others: whether others act at this instant, to the last of which the row is left. keeps_bodies: whether matrices of
+        bodies hold.
+        """
+        self._check(self._library.fanfold_record_jump(self._handle, after, others, keeps_bodies))
+        self.hand_on_rows()
+        return bool(self._progress.solved)
+
+    @property
+    def is_untold(self) -> bool:
+        """Whether the row of an instant is still to come."""
+        return bool(self._library.fanfold_is_untold(self._handle))
+
+    def impulse(self, h: float) -> list[int]:
+        """A vanishing step h (s) in which joints take away the rates that they do not allow; lines that pass their latches."""
+        self._check(self._library.fanfold_impulse(self._handle, h))
+        return np.flatnonzero(self._passed).tolist()
+
+    def record_impulse(self) -> None:
+        """A row after the impulses of a lock."""
+        self._library.fanfold_record_impulse(self._handle)
+        self.hand_on_rows()
+
+    def engage(self, line: int, *, judged: bool) -> float:
+        """Latch a line by number, judged by how it vibrates from then on; the step (s) to go on with."""
+        size = float(self._library.fanfold_engage(self._handle, line, judged))
+        self._check(size)
+        return size
+
+    def release(self, participant: int) -> None:
+        """Lines go on with those of their hinges that are not released, and its load is judged no more."""
+        self._library.fanfold_release(self._handle, participant)
+
+    def judge_loads(self) -> None:
+        """Judge loads of latched lines and struck stops by the energies of now."""
+        self._library.fanfold_judge_loads(self._handle)
+
+    def supply(self, before: Energies) -> None:
+        """What was set since changes energies from outside."""
+        self._check(self._library.fanfold_supply(self._handle, before.balance))
+
+    def renew(self, known: float = 0.0) -> None:
+        """Continue with first steps, or a known step (s) where that is longer; earlier steps do not predict the next."""
+        self._library.fanfold_renew(self._handle, known)
+
+    def restart(self, size: float) -> None:
+        """Continue with steps of a size (s) after a latch-up."""
+        self._library.fanfold_restart(self._handle, size)
+
+    def begin_segment(self) -> None:
+        """Count steps anew, where any were made since the last event."""
+        self._library.fanfold_begin_segment(self._handle)
+
+    def forget(self, *, bodies: bool = False) -> None:
+        """Laws changed: evaluate interface Jacobians of connections anew, or of bodies as well."""
+        self._library.fanfold_forget(self._handle, bodies)
+
+    def predicted(self, h: float) -> Vector:
+        """Wrenches that the next step, of h (s), may start from."""
+        result = np.empty(self.network.size)
+        self._library.fanfold_predict(self._handle, h, result.ctypes.data)
+        return result
+
+    def step_after_jump(self, h: float, change: Vector) -> float:
+        """A step (s), up to h, that is bent no more by a jump of wrenches; 0 where that is not known."""
+        return float(self._library.fanfold_step_after_jump(self._handle, h, change.ctypes.data))
+
+    def add_row(self, h: float, iterations: int) -> None:
+        """A row of a step h (s) after so many iterations, of what was observed last."""
+        self._library.fanfold_add_row(self._handle, h, iterations)
+        self.hand_on_rows()
+
+    def release_rows(self) -> None:
+        """Hand on the row that waits for what components know better one step later."""
+        self._library.fanfold_release_rows(self._handle)
+        self.hand_on_rows()
+
+    def hand_on_rows(self) -> None:
+        """Rows to the recorder."""
+        if count := self._library.fanfold_rows(self._handle):
+            self._recorder.extend(self._times[:count].copy(), self._values[:count].copy())
+            self._library.fanfold_take_rows(self._handle)
+
+    def state(self) -> Vector:
+        """Where it stands, without the participants themselves."""
+        self._library.fanfold_write_state(self._handle)
+        return self._state.copy()
+
+    def stand(self, state: Vector) -> None:
+        """Stand there again, with participants whose saved states are those of then."""
+        self._state[:] = state
+        self._check(self._library.fanfold_stand(self._handle))
+
+    def _check(self, fine: float) -> None:
+        if not fine:
+            raise self.failure()
+
+    def failure(self) -> BaseException:
+        """Why the last call failed: in the words of a participant, or of the step that does not converge."""
+        progress = self._progress
+        if progress.failure == _OF_STEP:
+            return StepError(
+                f"the step of {progress.h:.3g} s from t = {progress.time:.6f} s does not converge: after "
+                f"{progress.iterations} iterations the wrench of {self.network.port_of_row(progress.worst_row)} still "
+                f"changes by {progress.correction:.3g} times its tolerance; loosen the tolerance, check that "
+                "connection's stiffness, or start from a smaller step"
+            )
+        participant = self.network.participants[progress.participant]
+        return participant.failure(progress.call, progress.status, progress.time, progress.h)

@@ -1,1 +1,0 @@
-"""What interrupts a run that steps through time."""

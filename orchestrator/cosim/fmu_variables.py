@@ -1,0 +1,102 @@
+"""What an unpacked FMU says of itself: its variables by what they are to a master, and Fanfold's annotation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+from fmpy import read_model_description
+
+from components import Layout, Quantity
+from components.contract.roles import LATCH_DISTANCE, LATCHED, TIME_TO_BREAK
+from fmus.archive import undated
+
+from .ports import MOMENTS, MOTION, SLOPES, WRENCH
+
+_INDEX = re.compile(r"\[(\d+)\]$")
+EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)
+"""Outputs that the master reads beside the ports: of latches in every iteration, of motion laws after a step."""
+_ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
+_MOST_DESCRIPTIONS = 64
+_descriptions: dict[bytes, Described] = {}
+
+
+class Described(NamedTuple):
+    """The model description of an FMU, Fanfold's annotation in it, and its real variables."""
+
+    description: Any
+    annotation: ElementTree.Element | None
+    parameters: tuple[Layout, list[int]]
+    inputs: tuple[Layout, list[int]]
+    outputs: tuple[Layout, list[int]]
+    observations: tuple[Layout, list[int]]
+
+    @classmethod
+    def of(cls, description: Any, annotation: ElementTree.Element | None) -> Described:  # noqa: ANN401
+        """With variables by what they are to a master: outputs are those that it carries, observations all others."""
+        reals = [v for v in description.modelVariables if v.type == "Real"]
+        outputs = [v for v in reals if v.causality == "output"]
+        layout, observed = _group(v for v in outputs if not _is_coupled(v.name))
+        return cls(
+            description,
+            annotation,
+            _group(v for v in reals if v.causality == "parameter"),
+            _group(v for v in reals if v.causality == "input"),
+            _group(v for v in outputs if _is_coupled(v.name)),
+            (_with_roles(layout, annotation), observed),
+        )
+
+
+def described_in(folder: Path) -> Described:
+    """What an unpacked FMU says of itself, that of equal ones read once."""
+    file = folder / "modelDescription.xml"
+    key = undated(file.read_bytes())
+    if key not in _descriptions:
+        if len(_descriptions) >= _MOST_DESCRIPTIONS:
+            _descriptions.clear()
+        _descriptions[key] = Described.of(
+            read_model_description(str(folder), validate=False), ElementTree.parse(file).find(_ANNOTATION)
+        )
+    return _descriptions[key]
+
+
+def _with_roles(layout: Layout, annotation: ElementTree.Element | None) -> Layout:
+    """The observations with their roles from the annotation."""
+    said = [] if annotation is None else annotation.findall(".//Observation")
+    roles = {one.get("name", ""): one.get("role", "") for one in said}
+    return Layout(replace(q, role=roles.get(q.name, "")) for q in layout.quantities)
+
+
+def said_of(annotation: ElementTree.Element | None, element: str) -> ElementTree.Element | None:
+    """An element of the annotation."""
+    return None if annotation is None else annotation.find(f".//{element}")
+
+
+def says(annotation: ElementTree.Element | None, element: str, attribute: str) -> bool:
+    """Whether the annotation of Fanfold's own FMUs is there and makes a statement that the standard cannot."""
+    return annotation is not None and annotation.find(f".//{element}[@{attribute}]") is not None
+
+
+def _is_coupled(name: str) -> bool:
+    base = _INDEX.sub("", name)
+    return base in EVENT_OUTPUTS or (
+        base.rpartition(".")[2] in (*MOTION, *WRENCH, *SLOPES, *MOMENTS) and "." in base
+    )
+
+
+def _group(variables: Iterable[Any]) -> tuple[Layout, list[int]]:
+    """Scalars `name[1]`, `name[2]`, ... as one quantity each, and all value references in order."""
+    quantities, references = [], []
+    for name, members in groupby(variables, key=lambda v: _INDEX.sub("", v.name)):
+        found = list(members)
+        references += [v.valueReference for v in found]
+        starts = tuple(float(v.start) if v.start is not None else 0.0 for v in found)
+        quantities.append(
+            Quantity(name, found[0].unit or "1", found[0].description or "", len(found), starts)
+        )
+    return Layout(quantities), references

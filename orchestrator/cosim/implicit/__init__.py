@@ -1,1 +1,0 @@
-"""One coupled step: wrenches at all ports for which both sides agree."""

@@ -1,1 +1,0 @@
-"""The coupled step and the loop around it in C, and how they are called."""

@@ -1,0 +1,80 @@
+"""Events of a scene in a run: which have not happened, when the next one comes, and what one does to participants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from math import inf
+
+from components.contract.roles import FAILURE_COMMAND, RELEASE_COMMAND
+
+from ..assembly import Condition, Event
+from .participant import Participant
+
+_REACHED = 1e-9  # s, what sums of step sizes may leave
+
+
+class ScheduledEvents:
+    """The events that are still to come.
+
+    distance: of a condition from holding, as last observed; falls through zero. happened: names of the others, in their
+    order.
+    """
+
+    def __init__(
+        self,
+        events: Sequence[Event],
+        participants: Sequence[Participant],
+        distance: Callable[[Event], float],
+    ) -> None:
+        self.pending = list(events)
+        self.happened: list[str] = []
+        self._participants: Mapping[str, Participant] = {p.name: p for p in participants}
+        self._distance = distance
+
+    @property
+    def conditional(self) -> list[Event]:
+        """Those that wait for a condition."""
+        return [event for event in self.pending if event.condition is not None]
+
+    @property
+    def next_time(self) -> float:
+        """Time (s) of the next one that has a time."""
+        return min((event.time for event in self.pending if event.time is not None), default=inf)
+
+    def due(self, time: float) -> Event | None:
+        """One whose time has come, or whose condition holds."""
+        for event in self.pending:
+            if self._distance(event) <= 0.0 if event.time is None else event.time <= time + _REACHED:
+                return event
+        return None
+
+    def holding(self, observed: Callable[[Condition], float]) -> list[str]:
+        """Sentences on conditions that hold already; observed: what one waits for, as last observed."""
+        found = []
+        for event in self.conditional:
+            if (c := event.condition) is not None and self._distance(event) <= 0.0:
+                side, other = ("above", "below") if c.rising else ("below", "above")
+                found.append(
+                    f"event.{event.name}: its condition holds from the start: {c.part}.{c.variable} is "
+                    f"{observed(c):.6g}, {side} {c.value:.6g} (SI); give time = 0 for the start, or {other} for a "
+                    "passage the other way"
+                )
+        return found
+
+    def take(self, event: Event) -> None:
+        """It happens now."""
+        self.pending.remove(event)
+        self.happened.append(event.name)
+
+    def release(self, event: Event) -> None:
+        """Command what lets go; it does from the next step's start."""
+        for name in event.releases:
+            participant = self._participants[name]
+            for command in (RELEASE_COMMAND.name, FAILURE_COMMAND.name):
+                if command in participant.input_layout:
+                    participant.inputs[participant.input_layout[command]] = 1.0
+
+    def set(self, event: Event) -> None:
+        """Set parameters."""
+        for setting in event.settings:
+            self._participants[setting.part].set_parameter(setting.parameter, setting.value)

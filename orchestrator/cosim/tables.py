@@ -1,0 +1,182 @@
+"""What the compiled coupling reads, `fmus/native/coupling/tables.h`: tables of numbers by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from components.contract.roles import (
+    IMPULSE,
+    LATCH_COMMAND,
+    LATCH_DISTANCE,
+    PENETRATION,
+    RELEASE_COMMAND,
+    TIME_TO_BREAK,
+)
+
+from ..assembly import Condition, HingeLine
+from .elimination import eliminate
+from .energy_balance import energy_rows
+from .network import Network
+from .participant import Participant, first_observations
+from .ports import Order, carried
+from .rows import lagged_pairs, recorded_places
+from .settings import Settings
+
+NOWHERE = 10**8
+"""Place of what a participant does not have."""
+_ITERATED, _MOST_ITERATED = {2: 1e-2, 4: 1e-3}, 1e-6
+"""Tolerance of an iteration over that of the run by order, and the largest; slopes take up what it leaves in stiff
+joints, and recorded loads."""
+_LOCKED, _LEAST_LOCKED = 1e-2, 1e-9
+"""Of these where rigid bodies lock: what is left of a lock of 1e8 N.m/rad is a torque beside those of light bodies; the
+least is limited by round-off."""
+
+
+def coupling_tables(
+    network: Network,
+    lines: Sequence[HingeLine],
+    conditions: Sequence[Condition],
+    settings: Settings,
+    signals: int = 0,
+) -> Mapping[str, ArrayLike]:
+    """All of them. lines: all of the scene; those that latch are told. signals: channels of FMUs with signals."""
+    participants = network.participants
+    number = {participant.name: i for i, participant in enumerate(participants)}
+    latching = [line for line in lines if line.latches]
+    bodies = {body.name for body in network.bodies}
+    pairs = [(p.name, pair) for p, first in _with_firsts(participants) for pair in lagged_pairs(first, p)]
+    return {
+        "network": [len(participants), len(network.bodies), len(network.meetings), network.order],
+        "scene": [settings.driving.load, settings.driving.load, settings.driving.energy],
+        "by_tolerance": _by_tolerance(lines, settings, network.order),
+        **_participants(network),
+        **_linear_system(network),
+        **_laws(participants),
+        "latch_distance": [place_of(p.output_layout, LATCH_DISTANCE.name) for p in participants],
+        "latch_command": [place_of(p.input_layout, LATCH_COMMAND.name) for p in participants],
+        "impulses": [
+            one
+            for i, p in enumerate(participants)
+            if IMPULSE.name in p.input_layout
+            for one in (i, p.input_layout[IMPULSE.name].start)
+        ],
+        "lines": [len(latching), *(n for line in latching for n in _line(line, number))],
+        "conditions": [observed_place(participants, condition) for condition in conditions],
+        "condition_values": [n for condition in conditions for n in _passage(condition)],
+        "strikes": [n for name, place in _penetrations(participants) for n in (number[name], place)],
+        "recorded": recorded_places(participants),
+        "corrected": [place for name, pair in pairs if name not in network.coarse for place in pair],
+        "brought": [corrected for name, (_, corrected) in pairs if name in bodies],
+        "signals": [signals],
+    }
+
+
+def place_of(layout: Any, name: str) -> int:  # noqa: ANN401 - a Layout
+    """Where a quantity begins."""
+    return int(layout[name].start) if name in layout else NOWHERE
+
+
+def is_hold_down(participant: Participant) -> bool:
+    """Whether a participant can let go, so that its break may be that."""
+    return RELEASE_COMMAND.name in participant.input_layout
+
+
+def _with_firsts(participants: Sequence[Participant]) -> Iterator[tuple[Participant, int]]:
+    firsts = first_observations(participants)
+    return ((participant, firsts[participant.name]) for participant in participants)
+
+
+def _by_tolerance(lines: Sequence[HingeLine], settings: Settings, order: Order) -> list[float]:
+    """What numbers follow from the tolerance by, in the order of coupling.c."""
+    locks = any(line.locks_rigid for line in lines)
+    share, most, least = _ITERATED[order], _MOST_ITERATED, 0.0
+    if locks:
+        share, most, least = _LOCKED * share, _LOCKED * most, _LEAST_LOCKED
+    return [settings.largest_step, settings.smallest_step, settings.start_step, share, least, most]
+
+
+def _participants(network: Network) -> dict[str, ArrayLike]:
+    wrench = network.width.wrench
+    places = [*network.body_places, *network.connection_places]
+    rows = [*(np.arange(r.start, r.stop) for r in network.rows), *network.connection_rows]
+    return {
+        "participants": [
+            (
+                carried(participant.input_layout, network.order),
+                carried(participant.output_layout, network.order),
+                place.ports,
+                place.slopes or 0,
+                place.moments or 0,
+                float(participant.prescribed_motion),
+            )
+            for participant, place in zip(network.participants, places, strict=True)
+        ],
+        "port_links": np.concatenate([np.zeros(0), *(found[::wrench] // wrench for found in rows)]),
+        "constant_mobility": [float(body.constant_mobility) for body in network.bodies],
+        "energy_rows": energy_rows(network.participants),
+    }
+
+
+def _linear_system(network: Network) -> dict[str, ArrayLike]:
+    still = frozenset(i for i, body in enumerate(network.bodies) if body.prescribed_motion)
+    order = eliminate(network.meetings, network.width.wrench, still)
+    first = len(network.bodies)
+    return {
+        "links": [
+            (m.body, m.body_port, first + m.connection, m.connection_port, place)
+            for m, place in zip(network.meetings, order.place.tolist(), strict=True)
+        ],
+        "matrix_length": [order.length],
+        "matrix_begin": order.begin,
+        "matrix_blocks": order.blocks,
+        "matrix_lower": order.lower,
+        "matrix_upper": order.upper,
+        "matrix_lower_begin": order.lower_begin,
+        "matrix_upper_begin": order.upper_begin,
+        "matrix_targets": order.targets,
+        "matrix_parts": order.parts,
+    }
+
+
+def _laws(participants: Sequence[Participant]) -> dict[str, ArrayLike]:
+    """Participants that tell times to breaks, and where among their outputs; hold-downs, and how many, come first."""
+    telling = [
+        (k, p.output_layout[TIME_TO_BREAK.name].start)
+        for k, p in enumerate(participants)
+        if TIME_TO_BREAK.name in p.output_layout
+    ]
+    bolts = [one for one in telling if is_hold_down(participants[one[0]])]
+    found = [*bolts, *(one for one in telling if one not in bolts)]
+    return {"laws": [number for one in found for number in one], "bolts": [len(bolts)]}
+
+
+def _line(line: HingeLine, number: Mapping[str, int]) -> list[int]:
+    """Hinges, the sensor first, as it stays while it is not released."""
+    hinges = [line.sensor, *(name for name in line.hinges if name != line.sensor)]
+    return [len(hinges), int(line.kinematic), *(number[name] for name in hinges)]
+
+
+def observed_place(participants: Sequence[Participant], condition: Condition) -> int:
+    """Where the observations of all hold what a condition waits for."""
+    part = next(p for p in participants if p.name == condition.part)
+    first = first_observations(participants)[condition.part]
+    return first + part.observation_layout[condition.variable].start + condition.index
+
+
+def _passage(condition: Condition) -> tuple[float, float]:
+    """The value, and what distances to it are divided by: positive until it is passed, relative where it is large."""
+    size = max(1.0, abs(condition.value))
+    return condition.value, size if condition.rising else -size
+
+
+def _penetrations(participants: Sequence[Participant]) -> Iterator[tuple[str, int]]:
+    """Names of stops and contacts, and where among the observations of all each tells how deep it is touched."""
+    for participant, first in _with_firsts(participants):
+        layout = participant.observation_layout
+        for quantity in layout.quantities:
+            if quantity.role == PENETRATION:
+                yield participant.name, first + layout[quantity.name].start
