@@ -21,7 +21,7 @@ TIGHT, ROUNDED = 1e-13, 1e-6
 SLOW = 0.1
 """Part of the correction before, above which the Jacobian is made anew, or what is left is rounding."""
 MOST_CORRECTIONS = 30
-PROBED, MOVED = 1e-5, 1e-7
+PROBED, MOVED = 1e-8, 1e-7
 """Wrench (N, N.m) x h^2 that bodies are probed with, and the change of poses (m, 1) that connections are."""
 
 
