@@ -186,6 +186,26 @@ def test_in_process(name):
     assert_alike(case, lambda assembly: nullcontext(in_process(assembly.parts)))
 
 
+def test_reference_of_an_oscillator():
+    """Closed form: a step of order 4 turns the phase by 2 atan x / (1 - x^2 / 3), x = w h / 2, and keeps the amplitude.
+
+    That is the diagonal Pade approximant of exp(i w h). What damps unresolved coordinates goes with a power of w h, and
+    takes less than rounding here.
+    """
+    mass, stiffness, speed, h = 4.0, 900.0, 0.3, 2e-3
+    w = sqrt(stiffness / mass)
+    x = 0.5 * w * h
+    phase, amplitude = 2.0 * np.arctan2(x, 1.0 - x * x / 3.0), speed / w
+    start = {"initial_velocity": (speed, 0.0, 0.0)}
+    joint = Part("joint", "hinge", {}, {"translational_stiffness": (stiffness,) * 3})
+    parts = [base(point=(0, 0, 0)), rigid("body", mass, (1, 1, 1), {"point": (0, 0, 0)}, **start), joint]
+    reference = CoupledStep(Network(in_process(parts), between("joint", "base.point", "body.point"), 4))
+    reference.initialize()
+    found = [reference.advance(h).outputs["body"][0] for _ in range(50)]
+    expected = amplitude * np.sin(phase * np.arange(1, 51))
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-13 * amplitude)
+
+
 COEFFICIENTS = np.random.default_rng(1).normal(size=(5, 6))
 SIZES = (0.1, 0.3, 0.2, 0.25)
 H = SIZES[-1]
