@@ -15,11 +15,11 @@ RECORDS_HEADER = Path(__file__).parent / "coupling" / "records.h"
 _TYPES = {"double": c_double, "int": c_int, "size_t": c_size_t, "ptrdiff_t": c_ssize_t}
 _RECORDS = {
     "Participant": (
-        "A participant: its functions, its arrays, the cell of its saved state, and its ports. derivative: NULL where it "
-        "gives no derivatives of the step just made; port_stiffness: of a connection that has all columns at once, or "
-        "NULL. inputs, outputs: how many are exchanged. slopes, moments: where slopes of wrenches and moments of rates "
-        "begin beside the rest, 0 for none; links: of its ports. turned: a body's mobility (coordinates, wrenches), a "
-        "connection's stiffness (wrenches, coordinates), of all ports; NULL for a body that never moves.",
+        "A participant: its functions, its arrays, the cell of its saved state, and its ports. derivative: NULL where "
+        "it gives no derivatives of the step just made; port_stiffness: of a connection that has all columns at once, "
+        "or NULL. inputs, outputs: how many are exchanged. slopes, moments: where slopes of wrenches and moments of "
+        "rates begin beside the rest, 0 for none; links: of its ports. turned: a body's mobility (coordinates, "
+        "wrenches), a connection's stiffness (wrenches, coordinates), of all ports; NULL for a body that never moves.",
         {
             "component": "void *",
             "set_real": "SetReal *",
@@ -61,11 +61,11 @@ _RECORDS = {
         },
     ),
     "Progress": (
-        "What steps have come to. time (s) of the participants, size h (s) of the last attempt at a step, and as it was tried before anything crossed in it; made, rejected: "
-        "steps of the last call; crossed: what ended the last step, as a number, negative for nothing; lets_go: whether a "
-        "hold-down does at its end; solved: whether an instant could be solved; failure: why something could not be "
-        "done, and then the participant, its call and its status, or the row of the wrench that changes most, by so many "
-        "tolerances, after so many iterations.",
+        "What steps have come to. time (s) of the participants, size h (s) of the last attempt at a step, and as it "
+        "was tried before anything crossed in it; made, rejected: steps of the last call; crossed: what ended the last "
+        "step, as a number, negative for nothing; lets_go: whether a hold-down does at its end; solved: whether an "
+        "instant could be solved; failure: why something could not be done, and then the participant, its call and its "
+        "status, or the row of the wrench that changes most, by so many tolerances, after so many iterations.",
         {
             "time": "double",
             "h": "double",

@@ -1,7 +1,7 @@
 """Participants under way, as the compiled library couples them: what a master has it do, and what came of it.
 
-The numerics are in `fmus/native/coupling`: one communication step, its size, events met in it, and what events make of loads
-and latches. What happens when is the master's.
+The numerics are in `fmus/native/coupling`: one communication step, its size, events met in it, and what events make of
+loads and latches. What happens when is the master's.
 """
 
 from __future__ import annotations
@@ -84,8 +84,8 @@ class StepError(FanfoldError):
 class Stop(IntEnum):
     """Why an advance came back, as in coupling.h.
 
-    PAUSED: to report. REACHED: an accepted step ended where something latches or a condition holds. BROKE: it ended at a
-    break of a law. TOO_LONG, UNSOLVED: a planned step has to be divided, for the balance of energy or to converge.
+    PAUSED: to report. REACHED: an accepted step ended where something latches or a condition holds. BROKE: it ended at
+    a break of a law. TOO_LONG, UNSOLVED: a planned step has to be divided, for the balance of energy or to converge.
     STOPPED_SHORT: no step can be made.
     """
 
@@ -100,7 +100,7 @@ class Stop(IntEnum):
 class Advance(NamedTuple):
     """Steps that were made: why they ended, their sizes (s), and how many were rejected.
 
-    crossed: number of the crossing that ended the last step, lines first, then conditions; with reached, the others that
+    crossed: number of what ended the last step, lines first, then conditions; reached: the same with the others that
     fall through zero at that instant. lets_go: whether a hold-down does there.
     """
 
@@ -117,7 +117,7 @@ _OF_STEP = 2
 
 @cache
 def _library() -> CDLL:
-    """The compiled library; ParticipantError where it was not built, or was built from another version of its source."""
+    """The compiled library; ParticipantError where it was not built, or from another version of its source."""
     path = native_library()
     again = "install Fanfold again (pip install)"
     if path is None:
@@ -140,10 +140,10 @@ def _library() -> CDLL:
 class Coupling:
     """The participants of a network from one event to the next.
 
-    `time` (s) is theirs. Arrays are memory of the library, which goes with this: wrenches of the last solution (size,), accepted ones of the last
-    accepted step; observations of all participants in order as last observed; pending (crossings,), whether a line or a
-    condition is waited for; signal, channels of FMUs with signals. What a participant or a step cannot do is raised as
-    ParticipantError or StepError.
+    `time` (s) is theirs. Arrays are memory of the library, which goes with this: wrenches of the last solution (size,),
+    accepted ones of the last accepted step; observations of all participants in order as last observed; pending
+    (crossings,), whether a line or a condition is waited for; signal, channels of FMUs with signals. What a participant
+    or a step cannot do is raised as ParticipantError or StepError.
     """
 
     def __init__(self, network: Network, tables: Mapping[str, ArrayLike], recorder: Recorder) -> None:
@@ -232,8 +232,8 @@ class Coupling:
     ) -> Advance:
         """Step, at most until a time, until something happens: see `Stop`.
 
-        event_time (s): of the next event that has one. pause_time (s): after which step to come back. plan: sizes (s) of
-        the next steps, in place of chosen ones.
+        event_time (s): of the next event that has one. pause_time (s): after which step to come back. plan: sizes (s)
+        of the next steps, in place of chosen ones.
         """
         request, progress = self._request, self._progress
         request.until, request.event_time, request.pause_time = until, event_time, pause_time
@@ -283,8 +283,8 @@ class Coupling:
     def record_jump(self, after: float, *, others: bool = False, keeps_bodies: bool = False) -> bool:
         """A row with what an event makes of loads, an instant (s) after it; whether that instant could be solved.
 
-        others: whether others act at this instant, to the last of which the row is left. keeps_bodies: whether matrices of
-        bodies hold.
+        others: whether others act at this instant, to the last of which the row is left. keeps_bodies: whether matrices
+        of bodies hold.
         """
         self._check(self._library.fanfold_record_jump(self._handle, after, others, keeps_bodies))
         self.hand_on_rows()
@@ -296,7 +296,7 @@ class Coupling:
         return bool(self._library.fanfold_is_untold(self._handle))
 
     def impulse(self, h: float) -> list[int]:
-        """A vanishing step h (s) in which joints take away the rates that they do not allow; lines that pass their latches."""
+        """A vanishing step h (s) in which joints take away rates; returned are lines that pass their latches in it."""
         self._check(self._library.fanfold_impulse(self._handle, h))
         return np.flatnonzero(self._passed).tolist()
 
@@ -324,7 +324,7 @@ class Coupling:
         self._check(self._library.fanfold_supply(self._handle, before.balance))
 
     def renew(self, known: float = 0.0) -> None:
-        """Continue with first steps, or a known step (s) where that is longer; earlier steps do not predict the next."""
+        """Continue with first steps, or a known step (s) that is longer; earlier steps do not predict the next."""
         self._library.fanfold_renew(self._handle, known)
 
     def restart(self, size: float) -> None:
@@ -390,4 +390,5 @@ class Coupling:
                 "connection's stiffness, or start from a smaller step"
             )
         participant = self.network.participants[progress.participant]
-        return participant.failure(progress.call, progress.status, progress.time, progress.h)
+        found: BaseException = participant.failure(progress.call, progress.status, progress.time, progress.h)
+        return found

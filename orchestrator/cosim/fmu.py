@@ -41,8 +41,8 @@ from components.contract.errors import shortened
 from fmus.binary import cut_short
 from fmus.host.process import LONGEST_CALL, HostError
 
-from .isolated import IsolatedFmu
 from .fmu_variables import described_in, said_of, says
+from .isolated import IsolatedFmu
 from .participant import ParticipantError, ParticipantRecord, Vector, refuse_not_finite
 from .shared_library import library_of, unpack
 

@@ -1,8 +1,8 @@
 """The master algorithm: what happens when in a co-simulation with implicit communication steps.
 
-The participants are advanced until something happens: a line reaches its latch, a condition holds, an event is due, a motion
-law breaks, or FMUs with signals take part. That then acts at its instant, and steps go on from there. How a step is made and
-what an event makes of loads, see `Coupling`.
+The participants are advanced until something happens: a line reaches its latch, a condition holds, an event is due, a
+motion law breaks, or FMUs with signals take part. That then acts at its instant, and steps go on from there. How a step
+is made and what an event makes of loads, see `Coupling`.
 """
 
 from __future__ import annotations
@@ -112,7 +112,8 @@ class Master(CoSimulation):
 
     def _meet(self, made: Advance) -> None:
         """Let a line latch or an event act that a step was ended for, and then all that came with it."""
-        awaited = {self._numbers[one.name]: one for one in (*self._pending, *self._scheduled.conditional)}
+        waiting: list[HingeLine | Event] = [*self._pending, *self._scheduled.conditional]
+        awaited = {self._numbers[one.name]: one for one in waiting}
         others = [number for number in made.reached if number != made.crossed]
         self._acting = [awaited[number] for number in (made.crossed, *others)]
         for one in list(self._acting):

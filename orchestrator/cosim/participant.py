@@ -13,7 +13,6 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from components import REGISTRY, Component, ComponentError, FanfoldError, Instance, Layout
-
 from fmus.native.records import structure
 
 from ..assembly import Part
@@ -51,8 +50,8 @@ class Participant(Protocol):
 
     `inputs` and `outputs` are arrays in the order of `input_layout` and `output_layout`. `save` remembers
     the present state in the one slot there is; `restore` goes back to it, any number of times.
-    `noun`: what people call its kind, empty where that is not known. `constant_mobility`, `prescribed_motion`: of a body,
-    see `Component`; False where nothing is known. `record`: the same calls for the compiled library.
+    `noun`: what people call its kind, empty where that is not known. `constant_mobility`, `prescribed_motion`: of a
+    body, see `Component`; False where nothing is known. `record`: the same calls for the compiled library.
     """
 
     name: str
@@ -133,7 +132,8 @@ class Callbacks:
     """Calls of the library to a participant in Python."""
 
     def __init__(self, participant: Participant) -> None:
-        self._participant, self._failure = participant, None
+        self._participant = participant
+        self._failure: BaseException | None = None
         self._saved = c_void_p()
         self.record = record = ParticipantRecord()
         outputs, observations = participant.outputs, participant.observation_layout.size

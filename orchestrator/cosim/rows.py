@@ -49,7 +49,7 @@ def recorded_places(participants: Sequence[Participant]) -> Vector:
 
 
 def lagged_pairs(first: int, participant: Participant) -> Iterator[tuple[int, int]]:
-    """Places of every scalar of a lagged observation, and of its source; first: where those of the participant begin."""
+    """Places of every scalar of a lagged observation, and of its source; first: where the participant's begin."""
     layout = participant.observation_layout
     for quantity in layout.quantities:
         if quantity.name.endswith(LAGGED):

@@ -164,7 +164,7 @@ def observed_place(participants: Sequence[Participant], condition: Condition) ->
     """Where the observations of all hold what a condition waits for."""
     part = next(p for p in participants if p.name == condition.part)
     first = first_observations(participants)[condition.part]
-    return first + part.observation_layout[condition.variable].start + condition.index
+    return first + int(part.observation_layout[condition.variable].start) + condition.index
 
 
 def _passage(condition: Condition) -> tuple[float, float]:

@@ -6,7 +6,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define ALIGNMENT 64u
 
@@ -18,10 +17,9 @@ void *allocate(Memory *memory, size_t bytes) {
     if (bytes > SIZE_MAX - sizeof(Block) - ALIGNMENT)
         return NULL;
     size_t total = sizeof(Block) + ALIGNMENT + bytes;
-    Block *block = malloc(total);
+    Block *block = calloc(1, total); /* what is never used takes no memory */
     if (!block)
         return NULL;
-    memset(block, 0, total);
     block->older = memory->newest;
     memory->newest = block;
     uintptr_t first = (uintptr_t)(block + 1);

@@ -12,12 +12,12 @@
 #define ALIKE 1e-2 /* largest relative difference of step sizes that share mobilities: 2 % of an error stay */
 
 void jacobians_outdate(Jacobians *j) {
-    for (size_t i = 0; i < KEPT_SIZES; i++) j->sizes[i].has_stiffnesses = 0;
+    for (size_t i = 0; i < j->kept; i++) j->sizes[i].has_stiffnesses = 0;
 }
 
 void jacobians_forget(Jacobians *j) {
     jacobians_outdate(j);
-    for (size_t i = 0; i < KEPT_SIZES; i++) {
+    for (size_t i = 0; i < j->kept; i++) {
         SizedJacobian *one = j->sizes + i;
         one->h = 0.0;
         one->last_use = 0;
@@ -33,7 +33,7 @@ size_t block_size(const Network *n, size_t participant) {
 
 /* Mobilities of a step of nearly this size: an event is searched for by steps that differ little. */
 static void take_alike(const Network *n, Jacobians *j, SizedJacobian *to) {
-    for (size_t i = 0; i < KEPT_SIZES; i++) {
+    for (size_t i = 0; i < j->kept; i++) {
         const SizedJacobian *from = j->sizes + i;
         if (from == to || !from->has_mobilities || !(fabs(from->h - to->h) < ALIKE * to->h)) continue;
         memcpy(to->numbers, from->numbers, j->first[n->bodies] * sizeof(double));
@@ -44,7 +44,7 @@ static void take_alike(const Network *n, Jacobians *j, SizedJacobian *to) {
 
 SizedJacobian *jacobian_of(const Network *n, Jacobians *j, double h) {
     SizedJacobian *found = j->sizes;
-    for (SizedJacobian *one = j->sizes; one < j->sizes + KEPT_SIZES && found->h != h; one++)
+    for (SizedJacobian *one = j->sizes; one < j->sizes + j->kept && found->h != h; one++)
         if (one->h == h || one->last_use < found->last_use) found = one;
     if (found->h != h) {
         found->h = h;
@@ -57,7 +57,7 @@ SizedJacobian *jacobian_of(const Network *n, Jacobians *j, double h) {
 
 const SizedJacobian *nearest_mobilities(const Jacobians *j, double h) {
     const SizedJacobian *best = NULL;
-    for (const SizedJacobian *one = j->sizes; one < j->sizes + KEPT_SIZES; one++)
+    for (const SizedJacobian *one = j->sizes; one < j->sizes + j->kept; one++)
         if (one->has_mobilities && (!best || fabs(log(one->h / h)) < fabs(log(best->h / h)))) best = one;
     return best;
 }

@@ -13,8 +13,6 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-enum { KEPT_SIZES = 12 };
-
 /* The matrices of one step size h (s), 0 where there are none; last_use: when they were asked for, as counted. */
 typedef struct {
     double h;
@@ -24,14 +22,14 @@ typedef struct {
     double *numbers; /* of all blocks, matrix before axes, bodies first */
 } SizedJacobian;
 
-/* constant: by body, whether its mobility holds wherever it is; slope: room for the outputs
-   and inputs of any participant; first:
-   where the block of each participant begins among the numbers of a step size. */
+/* sizes (kept,): many, as events are searched for by steps of sizes of their own; constant: by body, whether its mobility
+   holds wherever it is; slope: room for the outputs and inputs of any participant; first: where the block of each
+   participant begins among the numbers of a step size. */
 typedef struct {
-    SizedJacobian sizes[KEPT_SIZES];
+    SizedJacobian *sizes;
     const unsigned char *constant;
     double *slope;
-    size_t *first, uses;
+    size_t *first, kept, uses;
 } Jacobians;
 
 /* Evaluate connections anew when they are next used: laws changed. */

@@ -232,6 +232,8 @@ static int create_network(Coupling *c, const Data *data, Memory *memory, Reason 
     return n->steps && n->squares && n->product && n->energies && m->values && m->transposed && m->pivots;
 }
 
+enum { LEAST_KEPT_SIZES = 12, MOST_KEPT_SIZES = 64, MOST_KEPT_NUMBERS = 1 << 22 };
+
 /* Room for the matrices of as many step sizes as are kept. */
 static int create_jacobians(Coupling *c, const Data *data, Memory *memory, Reason *why) {
     const Network *n = &c->network;
@@ -253,7 +255,11 @@ static int create_jacobians(Coupling *c, const Data *data, Memory *memory, Reaso
     c->solver.start = room_for(largest, memory, why);
     c->solver.step = room_for(n->size, memory, why);
     if (!c->solver.predicted || !c->solver.start || !c->solver.step) return 0;
-    for (SizedJacobian *one = j->sizes; one < j->sizes + KEPT_SIZES; one++) {
+    const size_t fitting = MOST_KEPT_NUMBERS / (j->first[n->participants] + 1);
+    j->kept = fitting < LEAST_KEPT_SIZES ? LEAST_KEPT_SIZES : fitting > MOST_KEPT_SIZES ? MOST_KEPT_SIZES : fitting;
+    j->sizes = allocate(memory, j->kept * sizeof *j->sizes);
+    if (!j->sizes) return 0;
+    for (SizedJacobian *one = j->sizes; one < j->sizes + j->kept; one++) {
         one->numbers = room_for(j->first[n->participants], memory, why);
         JacobianBlock *block = allocate(memory, (n->participants + 1) * sizeof *block);
         if (!one->numbers || !block) return 0;
