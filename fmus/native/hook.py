@@ -1,4 +1,4 @@
-"""Build hook: compile the native libraries if there is a C compiler, and put the documents into a wheel."""
+"""Build hook: compile the native libraries, and put the documents into a wheel."""
 
 from __future__ import annotations
 
@@ -9,18 +9,27 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
+COMPILE = "fmus/native/compile.py"
+
 
 class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchling is there in a build only
     """Compiles the components' library and that of the master; a wheel gets them and the documents."""
 
     PLUGIN_NAME = "custom"
 
+    def dependencies(self) -> list[str]:
+        """What the build needs in addition: Zig's C compiler where there is no other."""
+        if _module(Path(self.root, COMPILE)).compiler() is not None:
+            return []
+        requirements: list[str] = self.metadata.core.optional_dependencies["platforms"]
+        return requirements
+
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Before the build of a wheel, editable or not."""
         if version == "standard":  # an editable installation reads them from the checkout
             build_data["force_include"].update(self.config["documents"])
         root = Path(self.root)
-        build = _module(root / "fmus" / "native" / "compile.py")
+        build = _module(root / COMPILE)
         cosim = root / "orchestrator" / "cosim"
         libraries = {
             "fmus/native/lib/fanfold": build.compile_library,
@@ -34,8 +43,7 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
             try:
                 make(target)
             except build.CompileError as error:
-                self.app.display_warning(f"{target.name} was not built: {error}; Fanfold will run without it")
-                continue
+                self.app.abort(f"{target.name} was not built. {error}")
             build_data["artifacts"].append(f"/{name}{build.suffix()}")
             build_data["pure_python"] = False
             build_data["infer_tag"] = True
