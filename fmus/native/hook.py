@@ -43,7 +43,7 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
             try:
                 make(target)
             except build.CompileError as error:
-                self.app.abort(f"{target.name} was not built. {error}")
+                self.app.abort(f"{target.name} was not built: {error}")
             build_data["artifacts"].append(f"/{name}{build.suffix()}")
             build_data["pure_python"] = False
             build_data["infer_tag"] = True
