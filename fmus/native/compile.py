@@ -14,7 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
 from importlib.util import find_spec
@@ -127,9 +127,7 @@ def compile_files(
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         made = Path(folder) / target.name
         objects = [str(Path(folder) / f"{number}.o") for number in range(len(names))]
-        # Zig keeps parts of the C library; its default folder may be read-only and would grow
-        environment = {"ZIG_GLOBAL_CACHE_DIR": str(Path(folder) / "zig"), **os.environ}
-        run = partial(_run, found, environment)
+        run = partial(_run, found)
         pairs = zip(names, objects, strict=True)
         compilations = [[*flags, "-c", str(name), "-o", made_of_it] for name, made_of_it in pairs]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -138,10 +136,10 @@ def compile_files(
         os.replace(made, target)
 
 
-def _run(compiler: Sequence[str], environment: Mapping[str, str], arguments: Sequence[str]) -> None:
+def _run(compiler: Sequence[str], arguments: Sequence[str]) -> None:
     command = [*compiler, *arguments]
     try:
-        run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
         raise CompileError(f"{compiler[0]} cannot be run: {error}") from None
     if run.returncode:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
+import os
+import tempfile
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -37,16 +39,19 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
                 [cosim / "native" / "coupling.c"], target, build.COUPLING_FLAGS
             ),
         }
-        for name, make in libraries.items():
-            target = root / (name + build.suffix())
-            target.unlink(missing_ok=True)  # one of other sources must not pass for this one
-            try:
-                make(target)
-            except build.CompileError as error:
-                self.app.abort(f"{target.name} was not built: {error}")
-            build_data["artifacts"].append(f"/{name}{build.suffix()}")
-            build_data["pure_python"] = False
-            build_data["infer_tag"] = True
+        with tempfile.TemporaryDirectory() as folder:
+            # Zig's own folder may be read-only, and would grow by every build
+            os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", folder)
+            for name, make in libraries.items():
+                target = root / (name + build.suffix())
+                target.unlink(missing_ok=True)  # one of other sources must not pass for this one
+                try:
+                    make(target)
+                except build.CompileError as error:
+                    self.app.abort(f"{target.name} was not built: {error}")
+                build_data["artifacts"].append(f"/{name}{build.suffix()}")
+        build_data["pure_python"] = False
+        build_data["infer_tag"] = True
 
 
 def _module(path: Path) -> ModuleType:

@@ -33,7 +33,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
 def without_library(monkeypatch):
-    """As after an installation without a C compiler."""
+    """As in a checkout that was never installed."""
     for module in (fmus, fmus.build, fmus.native, simulation):  # all imported before any of them is changed
         for name in ("library", "native_library"):
             monkeypatch.setattr(module, name, lambda: None, raising=False)
