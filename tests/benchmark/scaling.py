@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fmus import Backend, native_library
-from orchestrator.cosim.compiled_master import CompiledMaster
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.settings import Settings
 from tests.benchmark.models.chain import Chain, as_instances, panel
@@ -46,7 +46,7 @@ def ours(chain: Chain, steps: int, backend: Backend) -> Cell:
     with as_instances(parts, backend) as participants:
         network = Network(participants, links, 4)
         record = Record(network)
-        master = CompiledMaster(network, [], record, Settings(fixed_step=STEP))
+        master = Master(network, [], record, Settings(fixed_step=STEP))
         master.initialize(preload=False)
         start = perf_counter()
         master.run(steps * STEP)

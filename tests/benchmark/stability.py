@@ -22,13 +22,13 @@ from components import rotation_matrix
 from components.flexible.modal import ModalData
 from components.numerics.oscillators import propagator
 from orchestrator.assembly import HingeLine, Link, Part
+from orchestrator.cosim.coupling import StepError
 from orchestrator.cosim.explicit import ExplicitMaster
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import ParticipantError, in_process
 from orchestrator.cosim.ports import Order
 from orchestrator.cosim.settings import Settings
-from orchestrator.cosim.stepping import StepError
 from orchestrator.run.run import as_fmus
 from tests.references import catalogue
 from tests.references.record import Record

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from components.body import Body
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import between, completed, rigid, turned
+from tests.references.coupled import Tolerance, between, completed, rigid, turned
 from tests.references.native_fmus import HAS_NATIVE
 
 PI = np.pi

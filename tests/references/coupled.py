@@ -6,23 +6,39 @@ from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from components.flexible.modal import ModalData
 from fmus import native_library
 from orchestrator.assembly import Event, HingeLine, Link, Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Master
-from orchestrator.cosim.native.library import library
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import Participant, in_process
 from orchestrator.cosim.settings import Settings
+from orchestrator.cosim.tables import coupling_tables
 from orchestrator.run.run import as_fmus
 from tests.references.record import Record
 
-HAS_NATIVE = native_library() is not None and library() is not None
+HAS_NATIVE = native_library() is not None
+
+
+class Tolerance(NamedTuple):
+    """To which wrenches are iterated: relative to the largest force and torque, and to these (N, N.m)."""
+
+    relative: float
+    force: float = 1.0
+    torque: float = 1.0
+
+    def tables(self, *scene: Any) -> Mapping[str, ArrayLike]:
+        """Those of a coupling that iterates so."""
+        tables = coupling_tables(*scene)
+        steps, driving = np.asarray(tables["by_tolerance"])[:3], np.asarray(tables["scene"])[2]
+        iterated = (0.0, self.relative, self.relative)
+        return {**tables, "scene": [self.force, self.torque, driving], "by_tolerance": [*steps, *iterated]}
 
 
 @dataclass
@@ -33,11 +49,17 @@ class Run(Record):
 
 
 def mastered(
-    network: Network, settings: Settings, lines: Sequence[HingeLine] = (), events: Sequence[Event] = ()
+    network: Network,
+    settings: Settings,
+    lines: Sequence[HingeLine] = (),
+    events: Sequence[Event] = (),
+    iteration: Tolerance | None = None,
 ) -> Run:
-    """A master that records, not yet initialised."""
+    """A master that records, not yet initialised; `iteration` replaces the tolerance that follows from the settings."""
     run = Run(network)
-    run.master = Master(network, lines, run, settings, events)
+    tables = coupling_tables if iteration is None else iteration.tables
+    with patch("orchestrator.cosim.cosimulation.coupling_tables", tables):
+        run.master = Master(network, lines, run, settings, events)
     return run
 
 
@@ -58,9 +80,7 @@ def prepared(
     """
     settings = settings or Settings()
     network = Network(participants or in_process(parts), links, settings.order or 2)
-    run = mastered(network, settings, lines, events)
-    if iteration is not None:
-        run.master.solver.tolerance = iteration
+    run = mastered(network, settings, lines, events, iteration)
     for (name, key), value in (commands or {}).items():
         participant = network.by_name[name]
         participant.inputs[participant.input_layout[key]] = value

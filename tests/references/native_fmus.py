@@ -10,12 +10,11 @@ import pytest
 
 from components.contract.roles import LAGGED
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.implicit.differences import jacobian_by_differences
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.settings import Order, Settings
 from orchestrator.run.run import as_fmus
-from tests.references.coupled import HAS_NATIVE, completed, mastered
+from tests.references.coupled import HAS_NATIVE, Tolerance, completed, mastered
+from tests.references.coupling_parts import matrix_of
 
 needs_native = pytest.mark.skipif(not HAS_NATIVE, reason="no C compiler built the native FMUs")
 _TIGHT = Tolerance(1e-9, 1e-5, 1e-5)
@@ -33,22 +32,20 @@ def native_errors(
     reference = completed(until, parts, links, native=False, settings=settings, iteration=_TIGHT)
     with as_fmus(SimpleNamespace(name="scene", parts=parts), "native") as participants:  # type: ignore[arg-type]
         network = Network(participants, links, order)
-        run = mastered(network, settings)
+        run = mastered(network, settings, iteration=_TIGHT)
         master = run.master
-        master.solver.tolerance = _TIGHT
         master.initialize(preload=False)
         master.run(until)
         connection = network.by_name[name]
-        differences = [0.0]
+        errors = [0.0]
         for quantity in connection.observation_layout.quantities:
             if quantity.name.endswith(LAGGED):
                 continue  # no row of its own
             found, expected = run.signal(name, quantity.name), reference.signal(name, quantity.name)
-            differences.append(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3))
-        master.solver.sweep(until, h)
-        places = network.connection_places[network.connections.index(connection)]
-        exact = connection.interface_jacobian(places, network.width)
-        assert exact is not None
-        expected = jacobian_by_differences(connection, places, network.width, until, h)
+            errors.append(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3))
+        number = network.participants.index(connection)
+        exact, expected = (
+            matrix_of(master.coupling, number, h, differences=differences) for differences in (False, True)
+        )
         size = max(float(np.abs(expected).max()), 1e-3)
-        return float(max(differences)), float(np.abs(exact - expected).max()) / size
+        return float(max(errors)), float(np.abs(exact - expected).max()) / size

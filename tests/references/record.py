@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.cosim.cosimulation import SCENE_CHANNELS
 from orchestrator.cosim.network import Network
-from orchestrator.cosim.rows import recorded_layout
+from orchestrator.cosim.rows import SCENE_CHANNELS, recorded_layout
 
 Vector = NDArray[np.float64]
 

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from orchestrator.cosim.energy_guard import EnergyGuard
 
 import orchestrator as fanfold
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
@@ -13,7 +14,6 @@ from components.flexible.reduction import craig_bampton
 from fmus import native_library
 from orchestrator.assembly import Part
 from orchestrator.cosim.energy_balance import Energies
-from orchestrator.cosim.energy_guard import EnergyGuard
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.settings import Settings
 from tests.benchmark.models.chain import as_instances

@@ -34,7 +34,7 @@ def test_any_stiffnesses_of_the_joints(axial, radial):
         master = Master(network, assembly.hinge_lines, NoRecorder(), Settings())
         master.initialize(preload=True)
         at = [number for number, (body, _) in enumerate(network.port_names) if body == "spacecraft"]
-        wrenches = master.solver.accepted.reshape(-1, 6)[at]
+        wrenches = master.coupling.accepted.reshape(-1, 6)[at]
         motions = network.by_name["spacecraft"].outputs[: 13 * len(at)].reshape(-1, 13)
         moment = wrenches[:, 3:] + np.cross(motions[:, :3], wrenches[:, :3])
         assert np.abs(wrenches[:, :3].sum(0)).max() < 1e-7 * PRELOAD

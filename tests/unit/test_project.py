@@ -117,9 +117,9 @@ AGAINST_THE_ARROWS = {
         "orchestrator.scene.units -> orchestrator.cosim.network",
     ),
     "rooms beside each other": (
-        "orchestrator/cosim/stepping.py",
+        "orchestrator/cosim/master.py",
         "from ..results.result import Result",
-        "orchestrator.cosim.stepping -> orchestrator.results.result",
+        "orchestrator.cosim.master -> orchestrator.results.result",
     ),
     "a circle": (
         "orchestrator/cosim/network.py",

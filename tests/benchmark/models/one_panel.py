@@ -20,12 +20,12 @@ from components.contract.frames import exponential
 from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, HingeLine, Link, Part
 from orchestrator.assembly.start_values import with_port_starts
+from orchestrator.cosim.coupling import StepError
 from orchestrator.cosim.explicit import ExplicitMaster
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import Participant, ParticipantError
 from orchestrator.cosim.settings import Settings
-from orchestrator.cosim.stepping import StepError
 from orchestrator.scene.component_connections import WrenchMode
 from tests.benchmark.stability import (
     JOINT_DAMPING,

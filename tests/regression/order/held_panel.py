@@ -74,7 +74,7 @@ def follow(
     steps: list[tuple[float, float, np.ndarray]] = []
 
     def keep(time: float, size: float) -> None:
-        table = master.solver.accepted.reshape(len(network.port_names), -1)
+        table = master.coupling.accepted.reshape(len(network.port_names), -1)
         steps.append((time, size, table[:, :6].copy()))
 
     settings = Settings(tolerance=tolerance, step_plan=plan, order=order, progress=keep)

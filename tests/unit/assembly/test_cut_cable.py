@@ -1,11 +1,8 @@
 """A cable loop that is cut in mid-run: it carries nothing from there on, and what it held is taken from the balance."""
 
 import numpy as np
-import pytest
 
 import orchestrator as fanfold
-from orchestrator.cosim.compiled_master import CompiledMaster
-from orchestrator.cosim.master import Master
 
 CUT = {
     "name": "cut",
@@ -19,13 +16,11 @@ def cut_wing():
     return fanfold.Scene.of_tree("amos3.toml", tree)
 
 
-@pytest.mark.parametrize("master", [CompiledMaster, Master])
-def test_a_cut_loop_carries_nothing(monkeypatch, master):
+def test_a_cut_loop_carries_nothing():
     """Definition, and conservation: the preload's energy leaves from outside. Its lines latch out of step then.
 
     Regression: a loop could not be released, and was advised to lose its stiffness, which kept its preload.
     """
-    monkeypatch.setattr("orchestrator.run.run.CompiledMaster", master)
     run = fanfold.simulate(cut_wing(), rigid="all", until=12.0, estimate=False)
     (cut,) = (time for time, name, _ in run.events if name == "cut")
     before, after = run.time < cut, run.time > cut + 1e-6

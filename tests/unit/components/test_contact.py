@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from components.contact import Contact, mean_power, mean_rise
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import base, between, completed, rigid
+from tests.references.coupled import Tolerance, base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, resultant, work, wrenches
 from tests.unit.components.prepared import made
 

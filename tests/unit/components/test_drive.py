@@ -8,11 +8,10 @@ from scipy.integrate import quad, solve_ivp
 
 from components.drive import Drive, Following, MotionLaw
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import Run, base, between, completed, mastered, rigid
+from tests.references.coupled import Run, Tolerance, base, between, completed, mastered, rigid
 from tests.references.relative_motion import inputs, port_motion
 from tests.unit.components.prepared import made
 

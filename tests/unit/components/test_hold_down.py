@@ -11,13 +11,12 @@ from components.hold_down import HoldDown
 from components.numerics.scheme import INSTANT
 from fmus import build_fmu
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.cosim.settings import Settings
 from tests.conformance.programs.driver import OK
 from tests.conformance.programs.driver3 import Fmu3
-from tests.references.coupled import base, between, completed, mastered, prepared, rigid
+from tests.references.coupled import Tolerance, base, between, completed, mastered, prepared, rigid
 from tests.references.native_fmus import needs_native
 from tests.references.relative_motion import inputs, port_motion, work
 from tests.unit.components.prepared import made

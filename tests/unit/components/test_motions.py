@@ -8,9 +8,8 @@ import pytest
 
 from components.numerics.motion_law import MotionLaw
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import base, between, completed, rigid
+from tests.references.coupled import Tolerance, base, between, completed, rigid
 
 MASS, INERTIA = 12.0, (0.5, 0.8, 1.1)
 NOWHERE = (0.0, 0.0, 0.0)

@@ -8,9 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from components.rail import Rail
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import between, completed, rigid
+from tests.references.coupled import Tolerance, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, work
 from tests.unit.components.prepared import made
 

@@ -8,9 +8,8 @@ from scipy.integrate import solve_ivp
 
 from components.suspension import Suspension
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import base, between, completed, rigid
+from tests.references.coupled import Tolerance, base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, resultant, work
 from tests.unit.components.prepared import made
 

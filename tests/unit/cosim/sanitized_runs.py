@@ -11,8 +11,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.native import library as module
+
+from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import run
 from orchestrator.scene import find_scene, load_scene

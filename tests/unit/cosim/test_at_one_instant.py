@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import orchestrator as fanfold
-from orchestrator.cosim.compiled_master import CompiledMaster
-from orchestrator.cosim.master import Master
 from tests.references.native_fmus import needs_native
 from tests.unit.run.as_one.host import Host
 
@@ -39,15 +37,13 @@ def twins(kind="spring", axes=("+y", "+y"), **tree):
     return fanfold.Scene.of_tree("twins.toml", whole | tree)
 
 
-@pytest.mark.parametrize("master", [CompiledMaster, Master])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize("kind", ["spring", "kinematic"])
-def test_twins_latch_together(monkeypatch, tmp_path, master, tolerance, kind):
+def test_twins_latch_together(tmp_path, tolerance, kind):
     """Symmetry. Regression: one of both was past its latch when the other engaged, and went on for ever.
 
     Or rows of the instant after the first were later than those of the second, and the file was called damaged.
     """
-    monkeypatch.setattr("orchestrator.run.run.CompiledMaster", master)
     run = fanfold.simulate(twins(kind), tolerance=tolerance, refine=False, save=tmp_path / "twins.h5")
     assert run.latch_times["A"] == pytest.approx(run.latch_times["B"], abs=2e-6)
     angles = [run[f"hinge_{body}", "angle"][-1] for body, _ in SIDES.values()]
@@ -65,13 +61,11 @@ def test_mirrored_twins(tmp_path):
     assert run.latch_times["A"] == pytest.approx(run.latch_times["B"], abs=1e-6)
 
 
-@pytest.mark.parametrize("master", [CompiledMaster, Master])
-def test_mirrored_twins_lock_in_one_impulse(monkeypatch, master):
+def test_mirrored_twins_lock_in_one_impulse():
     """Symmetry: a free spacecraft between two panels that open to both sides never turns, and both lock alike.
 
     Regression: one locked after the other, so that the first lock turned all, and its impulse was told as 0.4 of this.
     """
-    monkeypatch.setattr("orchestrator.run.run.CompiledMaster", master)
     tree = twins("kinematic", axes=("+x", "-x")).tree
     tree["base"]["free"] = {"mass": 20.0, "center_of_mass": [0, 0, 0], "inertia": [4.0, 4.0, 4.0]}
     tree["body"] = [

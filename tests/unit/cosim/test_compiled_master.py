@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from orchestrator.cosim.native.library import library
 
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.native.library import library
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import Outcome, kept_fmus, run
 from orchestrator.scene import find_scene, load_scene

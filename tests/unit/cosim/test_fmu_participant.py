@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from orchestrator.cosim.implicit import solvers
 
 from fmus import build_fmu
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.implicit import solvers
 from orchestrator.cosim.participant import InProcess, ParticipantError, all_finite, in_process
 from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from orchestrator.cosim.implicit.history import History
+
 from orchestrator.cosim.ports import WIDTHS
 
 COEFFICIENTS = np.random.default_rng(1).normal(size=(6, 5))

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.solvers import solver_for
 from orchestrator.cosim.latch_up import slopes, stiffened_line, stiffenings
+
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from tests.benchmark.stability import LATCH_RATE, panel_data, panel_scene
+from tests.references.coupled import Tolerance
 from tests.unit.cosim.networks import start
 
 LATCH, DAMPING, STEP = 2e3, 40.0, 5e-3

@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from orchestrator.cosim.native import library as module
 
 from fmus.native.compile import COUPLING_FLAGS, FLAGS, compile_files
-from orchestrator.cosim.native import library as module
 from tests.conformance.programs import sanitized
 from tests.unit.cosim import sanitized_runs
 

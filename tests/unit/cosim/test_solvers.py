@@ -9,14 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from components import Layout
-from fmus import build_fmu, native_library
-from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim import fmu
-from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit import native_solver, solvers
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.differences import jacobian_by_differences
 from orchestrator.cosim.implicit.elimination import eliminate
 from orchestrator.cosim.implicit.interface_jacobian import JacobianBlock, Matrices
@@ -25,6 +18,12 @@ from orchestrator.cosim.implicit.solvers import solver_for
 from orchestrator.cosim.implicit.sparse_system import SparseSystem
 from orchestrator.cosim.native import library as coupling_library
 from orchestrator.cosim.native.library import Calls, library
+
+from components import Layout
+from fmus import build_fmu, native_library
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim import fmu
+from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.network import Network, PortConnection
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.ports import WIDTHS, PortPlaces
@@ -33,6 +32,7 @@ from orchestrator.results.result import Result
 from orchestrator.run.run import as_fmus, run
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.builder import Scene
+from tests.references.coupled import Tolerance
 from tests.unit.cosim.faulty import FaultyDamper
 from tests.unit.cosim.networks import start
 

@@ -7,7 +7,6 @@ from math import cos, pi
 from types import SimpleNamespace
 
 import pytest
-
 from orchestrator.cosim.events.crossings import Fall, find_event, first_met, met_with
 from orchestrator.cosim.implicit.convergence import MAX_ITERATIONS, is_too_slow
 from orchestrator.cosim.stepping import STEPS_AFTER_DIVISION, StepSizes, SubdividedStep

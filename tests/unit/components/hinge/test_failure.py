@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.rows import recorded_layout
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
-from tests.references.coupled import base, between, prepared, rigid
+from tests.references.coupled import Tolerance, base, between, prepared, rigid
 from tests.references.native_fmus import needs_native
 from tests.unit.components.hinge.hinge_cases import AXIS, HARNESS, STIFF, hinge, observed, outboard
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
 from tests.references.closed_forms import coulomb_stop, stiction_overrun
-from tests.references.coupled import Part, base, between, completed, rigid
+from tests.references.coupled import Part, Tolerance, base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, wrenches
 from tests.unit.components.hinge.hinge_cases import STIFF, at, hinge, observed, outboard
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
 from tests.references.closed_forms import spring_driven, two_inertia_frequency
-from tests.references.coupled import base, between, completed, rigid, turned
+from tests.references.coupled import Tolerance, base, between, completed, rigid, turned
 from tests.unit.components.hinge.hinge_cases import AXIS, STIFF, at
 
 PI = np.pi

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import Part, base, between, completed, rigid
+from tests.references.coupled import Part, Tolerance, base, between, completed, rigid
 from tests.unit.components.hinge.hinge_cases import STIFF, hinge, observed, outboard
 
 INERTIA, FRICTION, STIFFNESS = 6.2514, 0.5, 200.0

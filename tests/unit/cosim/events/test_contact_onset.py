@@ -5,17 +5,17 @@ from __future__ import annotations
 from math import sqrt
 
 import pytest
-
-import orchestrator as fanfold
-from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.solvers import solver_for
 from orchestrator.cosim.latch_up import Slope, slopes, stiffened_line, stiffenings
 from orchestrator.cosim.native.library import library
+
+import orchestrator as fanfold
+from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.cosim.settings import Settings
 from orchestrator.scene import load_scene
+from tests.references.coupled import Tolerance
 from tests.unit.cosim.networks import start
 from tests.unit.cosim.test_compiled_master import assert_same, outcomes
 from tests.unit.run.as_one.host import Host

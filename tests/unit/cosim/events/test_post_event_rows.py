@@ -43,12 +43,11 @@ def mirrored(latch=True):
     return scene
 
 
-@pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("latch", [True, False])
-def test_mirrored_wings_do_not_turn_their_base(latch, compiled):
+def test_mirrored_wings_do_not_turn_their_base(latch):
     """Symmetry. Regression: the row after the first latch-up and before the second had half of both as a peak."""
     assembly = assemble(read_scene("mirrored.toml", mirrored(latch).tree))
-    result = run(assembly, None, Settings(1e-3, compiled=compiled)).result
+    result = run(assembly, None, Settings(1e-3)).result
     own = np.abs(result.signal("left_hinge", "latch_torque" if latch else "motor_torque")).max()
     assert own > 50.0
     assert len(result.events) == 2

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import Condition, Event, Part, Setting
-from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.settings import Settings
-from tests.references.coupled import base, between, prepared, rigid
+from tests.references.coupled import Tolerance, base, between, prepared, rigid
 
 MASS, STIFFNESS, SPEED = 4.0, 900.0, 0.3
 W = np.sqrt(STIFFNESS / MASS)

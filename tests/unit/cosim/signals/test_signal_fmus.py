@@ -12,8 +12,6 @@ from components import REGISTRY
 from components.drive import MotionLaw
 from fmus import build_fmu
 from orchestrator.assembly import SignalFmu
-from orchestrator.cosim.compiled_master import CompiledMaster
-from orchestrator.cosim.master import Master
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.signals.process import SignalProcess
 from orchestrator.validity.before_run import scene_warnings
@@ -45,10 +43,8 @@ def sampled(until, gain=10.0, damping=40.0):
     return state
 
 
-@pytest.mark.parametrize("master", [CompiledMaster, Master])
-def test_sampled_control_follows_its_recurrence(controller, monkeypatch, master):
+def test_sampled_control_follows_its_recurrence(controller):
     """Independent path: held torques and SciPy between samples; the quaternion's angle is the integral of the rate."""
-    monkeypatch.setattr("orchestrator.run.run.CompiledMaster", master)
     run = fanfold.simulate(controlled(controller), tolerance=1e-6, estimate=False)
     angle, rate = sampled(1.0)
     assert run["craft", "attitude"][-1, 1] == pytest.approx(angle, rel=1e-8)
