@@ -79,7 +79,7 @@ class Checkpoint:
             written = path.read_bytes()
             body, digest = written[:-_DIGEST], written[-_DIGEST:]
             if sha256(body).digest() != digest:
-                raise ValueError("its check sum is not that of its content")
+                raise ValueError("its check sum is another, or another version wrote it")
             with np.load(io.BytesIO(body), allow_pickle=False) as found:
                 content = {name: found[name] for name in found.files}
             numbers = json.loads(content.pop("numbers").tobytes())
