@@ -160,7 +160,7 @@ def _native_code(
         raise ComponentError(f"{error}") from None
     if not found and not sources:
         raise ComponentError(
-            "there is no native library here; install with a C compiler, or export PythonFMUs or sources"
+            "there is no native library here; install Fanfold again, or export PythonFMUs or sources"
         )
     files = {f"binaries/{path.replace('*', name)}": content for path, content in found.items()}
     files.update(sources)
@@ -170,7 +170,7 @@ def _native_code(
 
 
 def _library_of_here(fmi: FmiVersion) -> dict[str, bytes]:
-    """By folder and suffix; nothing where the package was installed without a C compiler."""
+    """By folder and suffix; nothing where the package was never installed."""
     binary = library()
     if binary is None:
         return {}

@@ -18,7 +18,6 @@ CODES = {
     "W-body-data": "a body's mass or inertia is impossible, probably a unit",
     "W-cache": "the cache folder cannot be written to",
     "W-compression": "a body carries more axial load than its model accounts for",
-    "W-compiled-code": "compiled code is missing, and the run is slower",
     "W-creep": "a line creeps through smooth friction",
     "W-different-scenes": "two results that are compared are of different scenes",
     "W-disk": "the disk will be full before the run ends, or the result is very large",

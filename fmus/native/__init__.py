@@ -10,6 +10,6 @@ __all__ = ["FLAGS", "CompileError", "compile_library", "compiler", "equations", 
 
 
 def library() -> Path | None:
-    """The compiled library of all components; None where the package was installed without a C compiler."""
+    """The compiled library of all components; None where the package was never installed."""
     path = Path(__file__).parent / "lib" / f"fanfold{suffix()}"
     return path if path.exists() else None

@@ -16,7 +16,8 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
+from functools import cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -36,6 +37,9 @@ LINK_FLAGS = ("-s", "-shared")
 """A library that FMUs carry has no names but those that hosts call."""
 ASSEMBLY = "assembly"
 """Kind of a scene with its master as one component: its kernel, in `coupling`, drives those of the others."""
+ZIG = (sys.executable, "-m", "ziglang", "cc")
+"""Zig's C compiler, which the Python package `ziglang` contains."""
+_PROBE = "#include <math.h>\ndouble probe(double x) { return sin(x); }\n"
 
 
 class CompileError(Exception):
@@ -75,10 +79,32 @@ def suffix() -> str:
 
 
 def compiler() -> list[str] | None:
-    """The C compiler: what CC says, with its arguments, else cc, gcc or clang; None where there is none."""
+    """The C compiler with its arguments; None where there is none.
+
+    It is what CC names, else the first of cc, gcc and clang that works, else Zig where `ziglang` is installed. Zig
+    compiles for every processor of this architecture, as the others do, because FMUs carry the library elsewhere.
+    """
     chosen = shlex.split(os.environ.get("CC", ""))
-    commands = [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]
-    return next((command for command in commands if shutil.which(command[0])), None)
+    if chosen:
+        return chosen
+    paths = filter(None, map(shutil.which, ("cc", "gcc", "clang")))
+    working = next(filter(_works, paths), None)
+    if working is not None:
+        return [working]
+    return [*ZIG, "-mcpu=baseline"] if find_spec("ziglang") else None
+
+
+@cache
+def _works(path: str) -> bool:
+    """Whether a compiler makes a library; without developer tools macOS has one that does not."""
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "probe.c"
+        source.write_text(_PROBE, encoding="utf-8")
+        try:
+            compile_files([source], source.with_suffix(suffix()), FLAGS, [path], LINK_FLAGS)
+        except CompileError:
+            return False
+    return True
 
 
 def compile_files(
@@ -94,26 +120,28 @@ def compile_files(
     """
     found = list(command) if command is not None else compiler()
     if found is None:
-        raise CompileError("there is no C compiler (CC, cc, gcc, clang)")
+        raise CompileError("there is no C compiler: install cc, gcc or clang, or Zig (pip install ziglang)")
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         made = Path(folder) / target.name
         objects = [str(Path(folder) / f"{number}.o") for number in range(len(names))]
+        run = partial(_run, found)
         pairs = zip(names, objects, strict=True)
-        commands = [[*found, *flags, "-c", str(name), "-o", made_of_it] for name, made_of_it in pairs]
+        compilations = [[*flags, "-c", str(name), "-o", made_of_it] for name, made_of_it in pairs]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(_run, commands))  # the list raises what a compilation has raised
-        _run([*found, *flags, *link_flags, *objects, "-o", str(made), "-lm"])
+            list(pool.map(run, compilations))  # the list raises what a compilation has raised
+        run([*flags, *link_flags, *objects, "-o", str(made), "-lm"])
         os.replace(made, target)
 
 
-def _run(command: list[str]) -> None:
+def _run(compiler: Sequence[str], arguments: Sequence[str]) -> None:
+    command = [*compiler, *arguments]
     try:
         run = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
-        raise CompileError(f"{command[0]} cannot be run: {error}") from None
+        raise CompileError(f"{compiler[0]} cannot be run: {error}") from None
     if run.returncode:
-        raise CompileError(f"{command[0]} failed: {run.stderr.strip()[-2000:]}")
+        raise CompileError(f"{shlex.join(compiler)} failed: {run.stderr.strip()[-2000:]}")
 
 
 def compile_library(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import struct
-import sys
 import tempfile
 from collections.abc import Sequence
 from functools import cache
@@ -15,7 +14,7 @@ from typing import NamedTuple
 from components.cache.disk import kept
 
 from ..description.fmi2 import FmiVersion
-from .compile import FLAGS, LINK_FLAGS, CompileError, compile_library, sources
+from .compile import FLAGS, LINK_FLAGS, ZIG, CompileError, compile_library, sources
 
 
 class Platform(NamedTuple):
@@ -86,7 +85,7 @@ def cross_compiled(name: str) -> bytes:
 
 
 def _compiled(platform: Platform) -> bytes:
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target]
+    command = [*ZIG, "-target", platform.target]
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / f"fanfold{platform.suffix}"
         compile_library(target, FLAGS, command, platform.link_flags)

@@ -11,6 +11,7 @@ import json
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ from ..results.result_file import Place
 from .errors import RunError
 
 _FORMAT = 8
+_DIGEST = sha256().digest_size
+"""Bytes at the end of the file, that tell any damage."""
 _DAMAGES = (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
 """What NumPy, JSON and ZIP raise of files whose bytes are not what they should be."""
 
@@ -59,7 +62,7 @@ class Checkpoint:
         np.savez(content, allow_pickle=False, numbers=text, **arrays, **states)
         path = checkpoint_file(result)
         try:
-            replace_file(path, content.getvalue())
+            replace_file(path, content.getvalue() + sha256(content.getvalue()).digest())
         except OSError as error:
             raise RunError(f"{path}: the checkpoint cannot be written ({error.strerror})") from None
 
@@ -73,7 +76,11 @@ class Checkpoint:
                 "they are complete"
             )
         try:
-            with np.load(path, allow_pickle=False) as found:
+            written = path.read_bytes()
+            body, digest = written[:-_DIGEST], written[-_DIGEST:]
+            if sha256(body).digest() != digest:
+                raise ValueError("its check sum is another, or another version wrote it")
+            with np.load(io.BytesIO(body), allow_pickle=False) as found:
                 content = {name: found[name] for name in found.files}
             numbers = json.loads(content.pop("numbers").tobytes())
             arrays, states = (

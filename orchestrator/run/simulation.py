@@ -95,7 +95,7 @@ class Options:
         if self.backend not in (None, "native", "python"):
             raise RunError(f"there is no back end {self.backend!r}; back ends are native and python")
         if self.backend == "native" and native_library() is None:
-            raise RunError("no native library was built; install Fanfold again where there is a C compiler")
+            raise RunError("there is no native library here; install Fanfold again")
         _refuse_spacing("recorded rows", self.record)
         _refuse_spacing("checkpoints", self.checkpoint)
         if self.checkpoint is not None and self.master != "implicit":
@@ -278,10 +278,7 @@ def missing_backend(backend: Backend | None) -> str:
     """Why PythonFMUs are used though no back end was chosen; empty if there is a native library."""
     if backend is not None or native_library() is not None:
         return ""
-    return (
-        "no native library was built at installation, so slower PythonFMUs are used. Install Fanfold again with a "
-        "C compiler."
-    )
+    return "there is no native library here, so slower PythonFMUs are used. Install Fanfold again."
 
 
 def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:

@@ -17,7 +17,8 @@ from fmus.native import compiler
 from tests.conformance.programs.driver import start_of
 
 needs_compiler = pytest.mark.skipif(
-    compiler() is None or shutil.which("cmake") is None, reason="needs a C compiler and cmake"
+    "ziglang" in (compiler() or ["ziglang"]) or shutil.which("cmake") is None,
+    reason="needs cmake and a C compiler that it finds",
 )
 
 PLATFORMS = {"2.0": platform, "3.0": platform_tuple}

@@ -101,10 +101,10 @@ Status instance_exit_initialization(Instance *instance) {
 
 /* Whether the references are one range, as those of a port or of all inputs are. */
 static int contiguous(const uint32_t *references, size_t count) {
-    for (size_t i = 1; i < count; i++)
-        if (references[i] != references[0] + i)
-            return 0;
-    return count > 0;
+    uint32_t apart = 0;
+    for (size_t i = 0; i < count; i++)
+        apart |= references[i] ^ (references[0] + (uint32_t)i);
+    return count > 0 && !apart && references[0] <= references[count - 1];
 }
 
 static Status no_such_reference(Instance *instance, uint32_t reference) {
@@ -194,20 +194,31 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
     return worst;
 }
 
+/* What is computed before values of a range of references are read. */
+enum { OF_OUTPUTS = 1, OF_OBSERVATIONS = 2, OF_CONTINUOUS = 4 };
+
+static int computed_of(const Instance *instance, uint32_t first, uint32_t last) {
+    const size_t *ends = instance->ends;
+    return (last >= ends[1] && first < ends[2] ? OF_OUTPUTS : 0) |
+           (last >= ends[2] && first < ends[3] ? OF_OBSERVATIONS : 0) | (last >= ends[3] ? OF_CONTINUOUS : 0);
+}
+
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values) {
     Reason why = {""};
-    int outputs = 0, observations = 0, continuous = 0;
-    for (size_t i = 0; i < count; i++) {
+    int computed = 0;
+    const int one_range = contiguous(references, count) && references[count - 1] < instance->ends[4];
+    if (one_range)
+        computed = computed_of(instance, references[0], references[count - 1]);
+    for (size_t i = 0; i < count && !one_range; i++) {
         if (references[i] >= instance->ends[4])
             return no_such_reference(instance, references[i]);
-        outputs |= references[i] >= instance->ends[1] && references[i] < instance->ends[2];
-        observations |= references[i] >= instance->ends[2] && references[i] < instance->ends[3];
-        continuous |= references[i] >= instance->ends[3];
+        computed |= computed_of(instance, references[i], references[i]);
     }
-    if ((outputs && !evaluate_outputs(instance, &why)) || (observations && !evaluate_observations(instance, &why)) ||
-        (continuous && !evaluate_continuous(instance, &why)))
+    if ((computed & OF_OUTPUTS && !evaluate_outputs(instance, &why)) ||
+        (computed & OF_OBSERVATIONS && !evaluate_observations(instance, &why)) ||
+        (computed & OF_CONTINUOUS && !evaluate_continuous(instance, &why)))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
-    if (contiguous(references, count))
+    if (one_range)
         memcpy(values, instance->values + references[0], count * sizeof(double));
     else
         for (size_t i = 0; i < count; i++)

@@ -8,6 +8,7 @@
 #define FANFOLD_BLOCKS_H
 
 #include <stddef.h>
+#include <string.h> /* tells, too, whether this is the GNU C library */
 
 #ifdef __GNUC__
 #pragma GCC visibility push(hidden) /* hosts have names of their own */

@@ -26,7 +26,7 @@ from fmpy import extract, read_model_description
 import orchestrator as fanfold
 from components.contract.component import Vector
 from fmus import PLATFORMS
-from fmus.native.compile import compile_files
+from fmus.native.compile import ZIG, compile_files
 from tests.benchmark.platforms import wasm
 from tests.unit.run.as_one.host import latching
 
@@ -108,7 +108,7 @@ def command(platform: str, folder: Path) -> list[str]:
     """The host of a platform, compiled for it, with what runs it here."""
     host = folder / f"host-{platform}{'.exe' if platform == 'win64' else ''}"
     target = PLATFORMS["linux64" if platform == HERE else platform].target
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target]
+    compiler = [*ZIG, "-target", target]
     compile_files([HOST], host, ["-O2"], compiler, ["-s"])
     runner = {"win64": ["wine"], "aarch64-linux": ["qemu-aarch64", "-L", str(SYSROOT)]}
     return [*runner.get(platform, []), str(host)]

@@ -6,6 +6,13 @@ import platform
 import re
 import shutil
 import subprocess
+import sys
+import tomllib
+from importlib.machinery import ModuleSpec
+from importlib.util import module_from_spec
+from pathlib import Path
+from runpy import run_path
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -21,9 +28,12 @@ from fmus.native.headers import kernel_name
 from orchestrator.cli import main as cli
 from orchestrator.run import simulation
 
+ROOT = Path(__file__).parents[3]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
 
 def without_library(monkeypatch):
-    """As after an installation without a C compiler."""
+    """As in a checkout that was never installed."""
     for module in (fmus, fmus.build, fmus.native, simulation):  # all imported before any of them is changed
         for name in ("library", "native_library"):
             monkeypatch.setattr(module, name, lambda: None, raising=False)
@@ -62,8 +72,54 @@ def test_the_library_runs_with_a_c_library_of_2019():
 
 def test_a_missing_compiler_is_a_sentence(monkeypatch, tmp_path):
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(CompileError, match="C compiler"):
+    with pytest.raises(CompileError, match="no-such-compiler"):
         compile_library(tmp_path / "fanfold.so")
+    without_compilers(monkeypatch, tmp_path)
+    with pytest.raises(CompileError, match="ziglang"):
+        compile_library(tmp_path / "fanfold.so")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the compiler that fails is a script of a shell")
+@pytest.mark.parametrize("broken", [False, True])
+def test_without_a_compiler_that_works_zig_compiles(monkeypatch, tmp_path, broken):
+    """Rule: the build requires Zig where cc, gcc and clang are missing or fail, and then only."""
+    if compiler() is not None:
+        assert requirements(monkeypatch) == []
+    without_compilers(monkeypatch, tmp_path)
+    if broken:
+        (tmp_path / "cc").write_text("#!/bin/sh\nexit 1\n")
+        (tmp_path / "cc").chmod(0o755)
+    assert compiler() is None
+    (requirement,) = requirements(monkeypatch)
+    assert requirement.startswith("ziglang")
+    monkeypatch.setitem(sys.modules, "ziglang", module_from_spec(ModuleSpec("ziglang", None)))
+    assert compiler()[:4] == [sys.executable, "-m", "ziglang", "cc"]
+    assert requirements(monkeypatch) == []
+
+
+def without_compilers(monkeypatch, folder):
+    """As where there is no Zig, and no program but those in this folder."""
+    monkeypatch.setenv("PATH", str(folder))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setitem(sys.modules, "ziglang", None)
+
+
+def requirements(monkeypatch):
+    """Of the build hook, for which hatchling is a stand-in, as only a build has it."""
+
+    class Hook:
+        root = str(ROOT)
+        metadata = SimpleNamespace(
+            core=SimpleNamespace(optional_dependencies=PROJECT["project"]["optional-dependencies"])
+        )
+
+        def __class_getitem__(cls, item):
+            return cls
+
+    interface = SimpleNamespace(BuildHookInterface=Hook)
+    monkeypatch.setitem(sys.modules, "hatchling.builders.hooks.plugin.interface", interface)
+    path = ROOT / PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["hooks"]["custom"]["path"]
+    return run_path(str(path))["NativeBuildHook"]().dependencies()
 
 
 def test_the_compiler_may_have_arguments(monkeypatch):
