@@ -124,6 +124,9 @@ EXPORT size_t table(const Table *t, double *rows) {
     return t->rows.count;
 }
 
+/* Where a coupling has its request: that of the library in use, if it was built from these headers. */
+EXPORT Request *request_of(Coupling *c) { return &c->request; }
+
 /* How many numbers the matrix of a participant has. */
 EXPORT size_t matrix_size(const Coupling *c, size_t participant) { return block_size(&c->network, participant); }
 
@@ -145,7 +148,7 @@ EXPORT int matrix_of(Coupling *c, size_t participant, double h, int differences,
 EXPORT int use(Coupling *c, double h, int outdate) {
     SizedJacobian *one = jacobian_of(&c->network, &c->solver.jacobians, h);
     if (outdate) one->has_stiffnesses = 0, one->bodies_outdated = 1;
-    return use_jacobian(&c->network, &c->solver.jacobians, one);
+    return network_sweep(&c->network, c->progress.time, h) && use_jacobian(&c->network, &c->solver.jacobians, one);
 }
 
 /* Correction (size,) for a residual (size,) by matrices of all participants, axes behind each, at the ports' present poses. */
@@ -171,6 +174,23 @@ EXPORT size_t stiffened(const Coupling *c, size_t line, double *numbers) {
     numbers[0] = found->frequency, numbers[1] = found->decay, numbers[2] = found->energy;
     for (size_t i = 0; i < (size_t)found->hinges; i++) memcpy(numbers + 3 + 3 * i, found->hinge[i].axis, 3 * sizeof(double));
     return (size_t)found->hinges;
+}
+
+/* What pushes at a connection that was struck: the first of its wrench's components, stiffness, and frequency with all that
+   moves along. 0 where it is no stiffer than free. */
+EXPORT int struck(Coupling *c, size_t connection, double h, double *numbers) {
+    static const Slope free_of_load;
+    struct {
+        StiffenedLine line;
+        Stiffening found;
+    } stop = {.line = {.hinges = 1.0}};
+    Slope pushing;
+    if (!linearize(&c->solver, c->progress.time, h) || !slope_of(&c->solver, connection, c->progress.time, h, &pushing) ||
+        !stiffening_of(&c->network, connection, &free_of_load, &pushing, h, stop.line.hinge))
+        return 0;
+    note_swing(&c->solver, h, &stop.line, c->room);
+    numbers[0] = stop.found.first, numbers[1] = stop.found.stiffness, numbers[2] = stop.line.frequency;
+    return 1;
 }
 
 /* How fast a line starts in a step h where everything is displaced so many times as far. */

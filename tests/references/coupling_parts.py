@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import CDLL, c_double, c_int, c_size_t, c_ssize_t, c_void_p
+from ctypes import CDLL, addressof, c_double, c_int, c_size_t, c_ssize_t, c_void_p
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,8 +20,8 @@ _PARTS = ("blocks", "convergence", "coupling", "events", "interface_jacobians", 
 _REAL, _SIZE, _POINTER = c_double, c_size_t, c_void_p
 _RESULTS: dict[str, Any] = {
     "new_sizes": _POINTER, "present_size": _REAL, "new_guard": _POINTER, "crossed": c_ssize_t, "followed": _REAL,
-    "new_table": _POINTER, "observed": _REAL, "table": _SIZE, "matrix_size": _SIZE, "stiffened": _SIZE,
-    "fastest_displaced": _REAL, "square_of_error": _REAL,
+    "new_table": _POINTER, "request_of": _SIZE, "observed": _REAL, "table": _SIZE, "matrix_size": _SIZE,
+    "stiffened": _SIZE, "fastest_displaced": _REAL, "square_of_error": _REAL,
 }  # fmt: skip
 """Of functions that return no int."""
 
@@ -47,6 +47,9 @@ def call(name: str, *arguments: Any) -> Any:
 
 def _converted(argument: Any) -> Any:
     if isinstance(argument, Coupling):
+        assert call("request_of", argument._handle.value) == addressof(argument._request), (
+            "build the library again"
+        )
         return argument._handle
     if isinstance(argument, np.ndarray):
         assert argument.flags.c_contiguous

@@ -23,16 +23,11 @@ class Record:
     rows: list[list[Vector]] = field(default_factory=list)
     events: list[tuple[float, str, str]] = field(default_factory=list)
 
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Keep a copy."""
-        self.times.append(time)
-        self.rows.append([value.copy() for value in values])
-
     def extend(self, times: Vector, rows: Vector) -> None:
         """Keep copies."""
         sizes = [recorded_layout(part.observation_layout).size for part in self.network.participants]
-        for time, row in zip(times.tolist(), rows, strict=True):
-            self.append(time, np.split(row, np.cumsum(sizes)))
+        self.times += times.tolist()
+        self.rows += [np.split(row, np.cumsum(sizes)) for row in rows]
 
     def event(self, time: float, component: str, text: str) -> None:
         """Keep it."""

@@ -6,14 +6,12 @@ import warnings
 
 import numpy as np
 import pytest
-from orchestrator.cosim.energy_guard import EnergyGuard
 
 import orchestrator as fanfold
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
 from components.flexible.reduction import craig_bampton
 from fmus import native_library
 from orchestrator.assembly import Part
-from orchestrator.cosim.energy_balance import Energies
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.settings import Settings
 from tests.benchmark.models.chain import as_instances
@@ -72,38 +70,6 @@ def test_slender_cantilever_at_a_fixed_long_step():
     of_load = 4.0 * (0.734096 / 1.875104) ** 2
     kinetic = (mass * GRAVITY) ** 2 * of_load / (2.0 * mass * first**2)
     assert in_motion == pytest.approx(kinetic, rel=0.02)
-
-
-def test_guard_rejects_what_smaller_steps_cure():
-    """A jump of the balance beside the energy in motion is refused, one of rounding size is not."""
-    guard = EnergyGuard(Energies(0.0, 5e4, 0.0, 0.0, 0.0))
-    guard.accept(Energies(10.0, 5e4 - 10.0, 0.0, 0.0, 0.0))
-    assert not guard.allows(Energies(11.0, 5e4 - 10.0, 0.0, 0.0, 0.0), 0.02)
-    assert guard.allows(Energies(11.0, 5e4 - 11.0 + 1e-4, 0.0, 0.0, 0.0), 0.01)
-    assert guard.allows(Energies(0.0, 5e4, 3.0, 0.0, 3.0), 0.01)  # supplied and turned to heat at once
-
-
-def test_guard_lets_rounding_of_what_hardly_moves_pass():
-    """Regression: 1e-22 J at the start of a law made another run divide its steps until time stood still."""
-    guard = EnergyGuard(Energies(0.0, 0.0, 0.0, 0.0, 0.0))
-    assert guard.allows(Energies(1.5e-23, 1.8e-22, 1.06e-20, 0.0, 1.04e-20), 3e-5)
-    assert not guard.allows(Energies(1e-18, 2e-18, 0.0, 0.0, 0.0), 3e-5)
-
-
-def test_guard_never_waits_for_a_participant_that_keeps_no_books():
-    """A power nobody accounts for passes after a few halvings, rounding once the smallest step is reached."""
-    guard = EnergyGuard(Energies(1.0, 0.0, 0.0, 0.0, 0.0))
-    answers = [guard.allows(Energies(1.0, 0.0, 5.0 * h, 0.0, 0.0), h) for h in 0.1 * 0.5 ** np.arange(5)]
-    assert answers == [False, False, False, True, True]
-    guard.accept(Energies(1.0, 0.0, 5.0 * 0.1, 0.0, 0.0))
-    assert guard.allows(Energies(1.0, 0.0, 5.0 * 0.2, 0.0, 0.0), 0.1)
-
-    guard = EnergyGuard(Energies(1.0, 0.0, 0.0, 0.0, 0.0))
-    noisy = Energies(1.0, 0.0, 0.5, 0.0, 0.0)
-    assert not any(guard.allows(noisy, h) for h in 0.1 * 0.5 ** np.arange(8))
-    guard.give_in(noisy)
-    guard.accept(noisy)
-    assert guard.allows(Energies(1.0, 0.0, 0.0, 0.0, 0.0), 0.1)
 
 
 @pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")

@@ -1,4 +1,4 @@
-"""Run in a process of its own: deployments by the compiled master, its library one with sanitizers; prints steps.
+"""Run in a process of its own: deployments, the library of the coupling one with sanitizers; prints steps.
 
     python sanitized_runs.py LIBRARY
 
@@ -11,9 +11,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from orchestrator.cosim.native import library as module
-
 from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim import coupling
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import run
 from orchestrator.scene import find_scene, load_scene
@@ -33,9 +32,7 @@ set = { HL = { motor_stiffness = 0 } }
 
 def main() -> None:
     """Flexible panels and a scene with loops and contact for a moment; rigid panels through an event and a latch-up."""
-    module.LIBRARY = Path(sys.argv[1])
-    if module.library() is None:
-        sys.exit(module.missing_compiled_code())
+    coupling.native_library = lambda: Path(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
         wing = Path(folder) / "wing.toml"
         wing.write_text(f"extends = '{find_scene('workbench')}'\n{EVENTS}", encoding="utf-8")

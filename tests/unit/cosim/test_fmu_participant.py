@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from orchestrator.cosim.implicit import solvers
 
 from fmus import build_fmu
 from orchestrator.assembly.assemble import assemble
@@ -277,9 +276,8 @@ def test_tolerance_that_cannot_be_met(tmp_path):
     assert Result.open(tmp_path / "run.h5").time.size == 1
 
 
-def test_fmus_equal_components(tmp_path, monkeypatch):
+def test_fmus_equal_components(tmp_path):
     """Independent path: a wing as PythonFMUs and in process agrees in every bit, the coupling being the same."""
-    monkeypatch.setattr(solvers, "library", lambda: None)
     assembly = assemble(load_scene(PANELS))
     load = partial(as_fmus, backend="python")
     outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.02, load=load)

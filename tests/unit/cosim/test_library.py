@@ -1,4 +1,4 @@
-"""The compiled library of the master: where it is missing or outdated, that is told; it keeps to its arrays."""
+"""The compiled library of the coupling: where it is missing or outdated, that is told; it keeps to its arrays."""
 
 import os
 import subprocess
@@ -6,40 +6,57 @@ import sys
 from pathlib import Path
 
 import pytest
-from orchestrator.cosim.native import library as module
 
-from fmus.native.compile import COUPLING_FLAGS, FLAGS, compile_files
+from fmus import native_library
+from fmus.native.compile import compile_library
+from orchestrator.cosim import coupling
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import ParticipantError, in_process
+from orchestrator.cosim.settings import Settings
 from tests.conformance.programs import sanitized
+from tests.references.coupled import base, mastered
 from tests.unit.cosim import sanitized_runs
 
-
-@pytest.fixture
-def other(monkeypatch, tmp_path):
-    """Where the library is looked for, instead of where it is."""
-    monkeypatch.setattr(module, "LIBRARY", tmp_path / "_coupling.so")
-    module.library.cache_clear()
-    yield module.LIBRARY
-    module.library.cache_clear()
+pytestmark = pytest.mark.skipif(native_library() is None, reason="no C compiler")
 
 
-def test_a_missing_library_is_told(other):
+@pytest.fixture(autouse=True)
+def anew():
+    """The library is looked for again, and once more after that."""
+    coupling._library.cache_clear()
+    yield
+    coupling._library.cache_clear()
+
+
+def refusal():
+    """What a master says that has no library."""
+    with pytest.raises(ParticipantError) as caught:
+        mastered(Network(in_process([base()]), []), Settings())
+    return str(caught.value)
+
+
+def test_a_missing_library_is_told(monkeypatch):
     """Nothing stands where it belongs."""
-    assert "not built" in module.missing_compiled_code()
+    monkeypatch.setattr(coupling, "native_library", lambda: None)
+    assert "pip install" in refusal()
 
 
-def test_a_library_of_another_version_is_told(other):
-    """What stands there is not what the source makes."""
-    other.write_bytes(b"of another version")
-    assert "another version" in module.missing_compiled_code()
-    assert "pip install" in module.missing_compiled_code()
+def test_a_library_of_another_version_is_told(monkeypatch, tmp_path):
+    """What stands there is not what the source makes: no library, or one with records of other sizes."""
+    with monkeypatch.context() as patch:
+        other = tmp_path / "fanfold.so"
+        other.write_bytes(b"of another version")
+        patch.setattr(coupling, "native_library", lambda: other)
+        assert "another version" in refusal()
+    monkeypatch.setattr(coupling, "sizeof", lambda structure: 8)
+    assert "another version" in refusal()
 
 
 def test_runs_are_clean_under_sanitizers(tmp_path):
     """AddressSanitizer sees what leaves an array of NumPy by one number, as Python takes all its memory from malloc."""
     preloaded = sanitized.runtime()
-    library = tmp_path / "_coupling.so"
-    source = module.LIBRARY.parent / "coupling.c"
-    compile_files([source], library, (*sanitized.flags(), *COUPLING_FLAGS[len(FLAGS) :]))
+    library = tmp_path / "fanfold.so"
+    compile_library(library, ("-shared", *sanitized.flags()), link_flags=("-shared",))
     environment = os.environ | {
         "LD_PRELOAD": preloaded,
         "ASAN_OPTIONS": "detect_leaks=0",  # the interpreter's own

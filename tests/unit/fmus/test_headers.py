@@ -10,6 +10,7 @@ from components.flexible.modal import ModalData
 from fmus import build_fmu
 from fmus.native.binary_data import component_bytes
 from fmus.native.headers import FOLDER, headers, layout_digest, layout_header
+from fmus.native.records import RECORDS_HEADER, records_header
 from tests.conformance.programs.driver import Fmu
 
 WRITTEN = headers()
@@ -19,6 +20,11 @@ DECLARED = [kind for kind, component in REGISTRY.items() if component.example().
 def test_headers_are_those_that_the_components_declare():
     """Rule: `python -m fmus.native` was run after the last change of a declaration."""
     assert {path.name: path.read_text() for path in FOLDER.iterdir()} == WRITTEN
+
+
+def test_records_are_those_that_python_declares():
+    """The same of what Python and the coupling in C share."""
+    assert RECORDS_HEADER.read_text() == records_header()
 
 
 @pytest.mark.parametrize("kind", DECLARED)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from math import sqrt
 
+import numpy as np
 import pytest
-from orchestrator.cosim.implicit.solvers import solver_for
-from orchestrator.cosim.latch_up import Slope, slopes, stiffened_line, stiffenings
-from orchestrator.cosim.native.library import library
 
 import orchestrator as fanfold
 from orchestrator.assembly.assemble import assemble
@@ -15,9 +13,9 @@ from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.cosim.settings import Settings
 from orchestrator.scene import load_scene
-from tests.references.coupled import Tolerance
-from tests.unit.cosim.networks import start
-from tests.unit.cosim.test_compiled_master import assert_same, outcomes
+from tests.references.coupled import mastered
+from tests.references.coupling_parts import call
+from tests.references.native_fmus import needs_native
 from tests.unit.run.as_one.host import Host
 
 HEAVY_AND_LIGHT = """
@@ -132,13 +130,7 @@ def test_loads_of_a_light_body_that_strikes_are_resolved(scene):
     assert elbow_force(scene, 1e-3) == pytest.approx(elbow_force(scene, 1e-5), rel=1e-2)
 
 
-@pytest.mark.skipif(library() is None, reason="there is no C compiler")
-def test_steps_in_c_are_those_in_python(scene):
-    by_python, by_c = outcomes(load_scene(scene), Settings(tolerance=1e-3), 4.0)
-    assert_same(by_python, by_c)
-
-
-@pytest.mark.skipif(library() is None, reason="a scene as one FMU is native")
+@needs_native
 def test_one_fmu_makes_the_same_steps(scene, tmp_path):
     (path,) = fanfold.export(scene, tmp_path, as_one=True)
     found = fanfold.simulate(scene, estimate=False)
@@ -152,20 +144,17 @@ def test_one_fmu_makes_the_same_steps(scene, tmp_path):
     assert host["elbow_stop.stop_torque_peak"] == pytest.approx(peaks["elbow_stop"], rel=1e-5)
 
 
+@needs_native
 def test_a_contact_has_the_inertia_of_what_strikes_it(tmp_path):
     """Closed form: the root of stiffness times lever squared over the inertia about the hinge."""
     path = tmp_path / "bar.toml"
     path.write_text(BAR, encoding="utf-8")
     assembly = assemble(load_scene(path))
     network = Network(in_process(assembly.parts), assembly.links)
-    start(network)
-    solver = solver_for(network, Tolerance(1e-8))
-    solver.save(0.0)
-    solver.linearize(0.0, STEP)
-    (pushing,) = slopes(solver, ["pad"], 0.0, STEP)
-    free = Slope(0.0 * pushing.step, 0.0 * pushing.long)
-    (stop,) = stiffenings(solver, ["pad"], [free], [pushing], STEP)
-    line = stiffened_line(solver, (stop,), STEP)
+    master = mastered(network, Settings(order=2)).master
+    master.initialize(preload=False)
+    found = np.zeros(3)
+    assert call("struck", master.coupling, network.participants.index(network.by_name["pad"]), STEP, found)
     about_hinge = INERTIA + MASS * 0.4**2
-    assert (stop.first, stop.stiffness) == (0, pytest.approx(STIFFNESS, rel=1e-6))
-    assert line.frequency == pytest.approx(sqrt(STIFFNESS * LEVER**2 / about_hinge), rel=1e-2)
+    assert found[:2] == pytest.approx((0, STIFFNESS), rel=1e-6)
+    assert found[2] == pytest.approx(sqrt(STIFFNESS * LEVER**2 / about_hinge), rel=1e-2)

@@ -132,17 +132,6 @@ def test_a_command_that_is_given_from_the_start_acts_there(path):
     assert abs(host["root.angle"] - np.radians(60.0)) < 2e-3
 
 
-@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
-@pytest.mark.filterwarnings("ignore:.*HL1.*W-peak-at-end")  # its peak
-@pytest.mark.filterwarnings("ignore:event snubber_lost")  # it ends before
-def test_events_of_the_scene_happen_inside(tmp_path):
-    """Hold-downs that preload keeps closed, a release on an angle, contacts, a latch-up."""
-    result = fanfold.simulate(STACK, until=5.3, rigid="all", estimate=False)
-    host = Host(exported(STACK, tmp_path, rigid="all")).start().to(5.3, 0.1)
-    assert host["HL1.latch_time"] == pytest.approx(result.latch_times["HL1"], rel=1e-5)
-    assert host["stored_energy"] == pytest.approx(result.signal("scene", "stored_energy")[-1], rel=1e-2)
-
-
 def test_a_release_is_commanded(tmp_path):
     """A bolt that lets go by command lets go as by the scene's own event."""
     host = Host(exported(STACK, tmp_path, rigid="all"))
