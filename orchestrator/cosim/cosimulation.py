@@ -1,4 +1,4 @@
-"""A co-simulation under way, whatever steps it: participants, time, latches that may engage, energies, records."""
+"""What all masters share: participants, time, pending latches and events, energies, records."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Statistics:
 
 
 class CoSimulation(ABC):
-    """What masters share: each steps the participants in its own way, this knows where they are and records it.
+    """What masters share; each master steps the participants in its own way.
 
     segments: sizes of all steps (s), one list for each stretch between events.
     """
@@ -99,14 +99,14 @@ class CoSimulation(ABC):
         self._record_start()
 
     def _choose_orders(self) -> None:
-        """Have participants of several orders take that of the network."""
+        """Set the order of participants that have several to that of the network."""
         for participant in self.network.participants:
             if "order" in participant.parameter_layout:
                 participant.set_parameter("order", self.network.order_of(participant.name))
 
     @abstractmethod
     def _record_start(self) -> None:
-        """The row at t = 0; of loads as the search has left them, with preload."""
+        """Write the row at t = 0."""
 
     @abstractmethod
     def run(self, until: float) -> None:
@@ -118,9 +118,9 @@ class CoSimulation(ABC):
         return min(self._scheduled.next_time, self._signals.next_time)
 
     def _lead_connections(self) -> None:
-        """Have connections remember that they rest: from where they were built to where the bodies are, and on there.
+        """Step connections from the poses where they were built to the present ones, and on at rest there.
 
-        Hinges are held but those that hold-downs or drives keep, and clocks stand.
+        Their internal states are then those of rest. All hinges are held except those of hold-downs or drives.
         """
         network, accepted = self.network, self.coupling.accepted
         self._command(HOLD.name, 1.0)
@@ -139,7 +139,7 @@ class CoSimulation(ABC):
         self._command(HOLD.name, 0.0)
 
     def _act(self, event: Event) -> None:
-        """Release and set what an event does; what settings change of the energies is supplied from outside."""
+        """Command the releases of an event and set its parameters; energies that these change count as supplied."""
         self._scheduled.take(event)
         if event.condition is not None:
             self.coupling.pending[self._numbers[event.name]] = 0.0
@@ -151,7 +151,7 @@ class CoSimulation(ABC):
         self._signals.leave(event)
 
     def _exchange_signals(self, *, start: bool = False) -> bool:
-        """Have FMUs with signals take part at this instant, or start; whether they changed anything."""
+        """Let FMUs with signals act at this instant, or start them; whether they changed anything."""
         self.coupling.release_rows()
         with self._supplied():
             changed = self._signals.start() if start else self._signals.exchange(self.time)
@@ -160,13 +160,13 @@ class CoSimulation(ABC):
 
     @contextmanager
     def _supplied(self) -> Iterator[None]:
-        """What is set meanwhile changes energies from outside."""
+        """Count changes of energies by settings within the block as supplied from outside."""
         before = self.coupling.observe()
         yield
         self.coupling.supply(before)
 
     def _without(self, released: Collection[str]) -> None:
-        """Lines go on with those of their hinges that are not released; without any they have no latch."""
+        """Remove released hinges from lines; a line without hinges is no longer pending."""
         for number, participant in enumerate(self.network.participants):
             if participant.name in released:
                 self.coupling.release(number)
@@ -181,11 +181,11 @@ class CoSimulation(ABC):
         ]
 
     def _observed(self, condition: Condition) -> float:
-        """What a condition waits for, as last observed."""
+        """The quantity of a condition, as last observed."""
         return self.coupling.observations.item(observed_place(self.network.participants, condition))
 
     def _distance(self, one: HingeLine | Event) -> float:
-        """How far a line is from its latch, or a condition from holding as last observed; falls through zero."""
+        """Distance of a line from its latch, or of a condition from being met; it falls through zero."""
         return self.coupling.distance(self._numbers[one.name])
 
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:

@@ -1,7 +1,7 @@
-"""Participants under way, as the compiled library couples them: what a master has it do, and what came of it.
+"""The coupling of participants in the compiled library: its functions as a master calls them, with typed results.
 
-The numerics are in `fmus/native/coupling`: one communication step, its size, events met in it, and what events make of
-loads and latches. What happens when is the master's.
+The numerics are in `fmus/native/coupling`: one communication step, its size, the location of events, and what events
+change of loads and latches. The master decides what happens when.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .participant import ParticipantError, ParticipantRecord, Vector
 from .rows import Recorder
 
 _ROOM = 160
-"""Rows, and so steps, after which an advance comes back at the latest."""
+"""Most rows, and so steps, of one `Coupling.advance`."""
 _SENTENCE = 512
 _POINTER, _REAL, _SIZE = c_void_p, c_double, c_size_t
 _Progress, _Request = structure("Progress"), structure("Request")
@@ -82,10 +82,10 @@ class StepError(FanfoldError):
 
 
 class Stop(IntEnum):
-    """Why an advance came back, as in coupling.h.
+    """Why an advance ended, as in coupling.h.
 
-    PAUSED: to report. REACHED: an accepted step ended where something latches or a condition holds. BROKE: it ended at
-    a break of a law. TOO_LONG, UNSOLVED: a planned step has to be divided, for the balance of energy or to converge.
+    PAUSED: to report. REACHED: an accepted step ended where a line latches or a condition is met. BROKE: it ended at a
+    break of a law. TOO_LONG, UNSOLVED: a planned step has to be divided, for the energy balance or to converge.
     STOPPED_SHORT: no step can be made.
     """
 
@@ -100,8 +100,8 @@ class Stop(IntEnum):
 class Advance(NamedTuple):
     """Steps that were made: why they ended, their sizes (s), and how many were rejected.
 
-    crossed: number of what ended the last step, lines first, then conditions; reached: the same with the others that
-    fall through zero at that instant. lets_go: whether a hold-down does there.
+    crossed: number of the line or condition that ended the last step, lines first; reached: the numbers of all that
+    were reached at this instant. lets_go: whether a hold-down lets go at the end of the last step.
     """
 
     stop: Stop
@@ -140,10 +140,10 @@ def _library() -> CDLL:
 class Coupling:
     """The participants of a network from one event to the next.
 
-    `time` (s) is theirs. Arrays are memory of the library, which goes with this: wrenches of the last solution (size,),
-    accepted ones of the last accepted step; observations of all participants in order as last observed; pending
-    (crossings,), whether a line or a condition is waited for; signal, channels of FMUs with signals. What a participant
-    or a step cannot do is raised as ParticipantError or StepError.
+    Arrays are memory of the library and live as long as this object: wrenches (size,) of the last solution, accepted
+    (size,) those of the last accepted step; observations of all participants in order; pending (crossings,), 1 where a
+    line or a condition is waited for; signal, channels of FMUs with signals. Methods raise ParticipantError where a
+    participant fails, StepError where no step size converges.
     """
 
     def __init__(self, network: Network, tables: Mapping[str, ArrayLike], recorder: Recorder) -> None:
@@ -180,7 +180,7 @@ class Coupling:
         return np.ctypeslib.as_array(memory)
 
     def settle_for(self, tolerance: float, *, persistent: bool, fixed_step: float | None) -> None:
-        """Accuracy of a run; persistent: whether a slow iteration is made before a step is given up; fixed_step (s)."""
+        """Set tolerance and fixed step (s) of a run; persistent: whether a slow damped iteration precedes giving up."""
         self._library.fanfold_set(self._handle, tolerance, persistent)
         self._request.fixed_step = fixed_step or 0.0
 
@@ -200,12 +200,12 @@ class Coupling:
 
     @property
     def smallest(self) -> float:
-        """Smallest size (s) that accuracy may ask for."""
+        """Smallest size (s) that step control chooses for accuracy."""
         return float(self._library.fanfold_smallest(self._handle))
 
     @property
     def energies(self) -> Energies:
-        """As last observed."""
+        """Energies as last observed."""
         return Energies(*self._energies.tolist())
 
     @property
@@ -214,25 +214,25 @@ class Coupling:
         return self._library.fanfold_sweeps(self._handle), self._library.fanfold_seconds(self._handle)
 
     def distance(self, crossing: int) -> float:
-        """How far a line is from its latch, or a condition from holding; falls through zero."""
+        """Distance of a line from its latch, or of a condition from being met; it falls through zero."""
         return float(self._library.fanfold_distance(self._handle, crossing))
 
     def start(self) -> None:
-        """Stand at t = 0 with participants that are initialised; energies count from what they observe there."""
+        """Begin at t = 0 with initialised participants; energies count from what they observe there."""
         self.pending[:] = 1.0
         self._check(self._library.fanfold_start(self._handle))
 
     def record_start(self) -> None:
-        """After what else acts at t = 0: the row there, with loads just after it, and a state to step from."""
+        """Write the first row, with loads just after t = 0, and save the state to step from."""
         self._check(self._library.fanfold_record_start(self._handle))
         self.hand_on_rows()
 
     def advance(
         self, until: float, event_time: float, pause_time: float = inf, plan: Sequence[float] | None = None
     ) -> Advance:
-        """Step, at most until a time, until something happens: see `Stop`.
+        """Step until a time (s), or until something happens: see `Stop`.
 
-        event_time (s): of the next event that has one. pause_time (s): after which step to come back. plan: sizes (s)
+        event_time (s): time of the next event. pause_time (s): return after the step that reaches it. plan: sizes (s)
         of the next steps, in place of chosen ones.
         """
         request, progress = self._request, self._progress
@@ -252,39 +252,39 @@ class Coupling:
         )
 
     def give_in(self) -> None:
-        """Let pass what a planned step leaves open of the balance of energy."""
+        """Let jumps of the energy balance pass that are as large as the one of the last planned step."""
         self._library.fanfold_give_in(self._handle)
 
     def watch(self) -> None:
-        """Note how far all is from what may happen."""
+        """Note the distances of lines, conditions and stops, and the times of the next breaks."""
         self._library.fanfold_watch(self._handle)
 
     def restore(self) -> None:
-        """Take all participants back to their saved states."""
+        """Restore all participants."""
         self._check(self._library.fanfold_restore(self._handle))
 
     def save(self) -> None:
-        """The present states are those to return to."""
+        """Save the states of all participants; steps return to them."""
         self._check(self._library.fanfold_save(self._handle))
 
     def observe(self) -> Energies:
-        """Have all participants observed where they stand."""
+        """Read the observations of all participants; returns their energies."""
         self._check(self._library.fanfold_observe(self._handle))
         return self.energies
 
     def instant(self, size: float) -> float:
-        """A step (s) too short for motion, beside steps of a size (s)."""
+        """Size (s) of a step in which nothing moves, where other steps have a size (s)."""
         return float(self._library.fanfold_instant(size))
 
     def note_roughness(self) -> None:
-        """Before an event acts: what loads of an instant are off those that steps tell."""
+        """Before an event: note by how much loads of an instant differ from those of steps."""
         self._check(self._library.fanfold_note_roughness(self._handle, self.instant(self.size)))
 
     def record_jump(self, after: float, *, others: bool = False, keeps_bodies: bool = False) -> bool:
-        """A row with what an event makes of loads, an instant (s) after it; whether that instant could be solved.
+        """Write a row with loads an instant `after` (s) an event; whether this instant could be solved.
 
-        others: whether others act at this instant, to the last of which the row is left. keeps_bodies: whether matrices
-        of bodies hold.
+        others: whether more acts at this instant; the last of it then writes the row. keeps_bodies: whether the
+        mobilities of bodies stay valid.
         """
         self._check(self._library.fanfold_record_jump(self._handle, after, others, keeps_bodies))
         self.hand_on_rows()
@@ -292,86 +292,86 @@ class Coupling:
 
     @property
     def is_untold(self) -> bool:
-        """Whether the row of an instant is still to come."""
+        """Whether the row of the present instant is still to be written."""
         return bool(self._library.fanfold_is_untold(self._handle))
 
     def impulse(self, h: float) -> list[int]:
-        """A vanishing step h (s) in which joints take away rates; returned are lines that pass their latches in it."""
+        """Make an impulse over a step h (s), which stops joints; returns lines that pass their latches in it."""
         self._check(self._library.fanfold_impulse(self._handle, h))
         return np.flatnonzero(self._passed).tolist()
 
     def record_impulse(self) -> None:
-        """A row after the impulses of a lock."""
+        """Write a row after the impulses of a lock."""
         self._library.fanfold_record_impulse(self._handle)
         self.hand_on_rows()
 
     def engage(self, line: int, *, judged: bool) -> float:
-        """Latch a line by number, judged by how it vibrates from then on; the step (s) to go on with."""
+        """Latch a line by number; returns the size (s) of the next step. judged: whether its vibration sets it."""
         size = float(self._library.fanfold_engage(self._handle, line, judged))
         self._check(size)
         return size
 
     def release(self, participant: int) -> None:
-        """Lines go on with those of their hinges that are not released, and its load is judged no more."""
+        """Release a participant: lines go on with their other hinges, and its load is no longer judged."""
         self._library.fanfold_release(self._handle, participant)
 
     def judge_loads(self) -> None:
-        """Judge loads of latched lines and struck stops by the energies of now."""
+        """Weight errors of the loads of latched lines and struck stops by the present energies."""
         self._library.fanfold_judge_loads(self._handle)
 
     def supply(self, before: Energies) -> None:
-        """What was set since changes energies from outside."""
+        """Count the change of the energy balance since `before` as supplied from outside."""
         self._check(self._library.fanfold_supply(self._handle, before.balance))
 
     def renew(self, known: float = 0.0) -> None:
-        """Continue with first steps, or a known step (s) that is longer; earlier steps do not predict the next."""
+        """Continue with first steps, or with a known size (s) if larger; earlier steps do not predict the next ones."""
         self._library.fanfold_renew(self._handle, known)
 
     def restart(self, size: float) -> None:
-        """Continue with steps of a size (s) after a latch-up."""
+        """Continue with a size (s) after a latch-up; earlier steps do not predict the next ones."""
         self._library.fanfold_restart(self._handle, size)
 
     def begin_segment(self) -> None:
-        """Count steps anew, where any were made since the last event."""
+        """Begin a new segment, if the present one has steps."""
         self._library.fanfold_begin_segment(self._handle)
 
     def forget(self, *, bodies: bool = False) -> None:
-        """Laws changed: evaluate interface Jacobians of connections anew, or of bodies as well."""
+        """Evaluate interface Jacobians of connections anew, with `bodies` also those of bodies, as laws changed."""
         self._library.fanfold_forget(self._handle, bodies)
 
     def predicted(self, h: float) -> Vector:
-        """Wrenches that the next step, of h (s), may start from."""
+        """Wrenches from which the iteration of the next step, of h (s), starts."""
         result = np.empty(self.network.size)
         self._library.fanfold_predict(self._handle, h, result.ctypes.data)
         return result
 
     def step_after_jump(self, h: float, change: Vector) -> float:
-        """A step (s), up to h, that is bent no more by a jump of wrenches; 0 where that is not known."""
+        """Size (s), at most h, at which a jump of wrenches causes no error beyond the allowed one; 0 where unknown."""
         return float(self._library.fanfold_step_after_jump(self._handle, h, change.ctypes.data))
 
     def add_row(self, h: float, iterations: int) -> None:
-        """A row of a step h (s) after so many iterations, of what was observed last."""
+        """Write a row of what was observed last, for a step h (s) after so many iterations."""
         self._library.fanfold_add_row(self._handle, h, iterations)
         self.hand_on_rows()
 
     def release_rows(self) -> None:
-        """Hand on the row that waits for what components know better one step later."""
+        """Hand on the row that waits for values that components know better one step later."""
         self._library.fanfold_release_rows(self._handle)
         self.hand_on_rows()
 
     def hand_on_rows(self) -> None:
-        """Rows to the recorder."""
+        """Hand on complete rows to the recorder."""
         if count := self._library.fanfold_rows(self._handle):
             self._recorder.extend(self._times[:count].copy(), self._values[:count].copy())
             self._library.fanfold_take_rows(self._handle)
 
     def state(self) -> Vector:
-        """Where it stands, without the participants themselves."""
+        """The state of the coupling as numbers, without the states of participants."""
         self._library.fanfold_write_state(self._handle)
         return self._state.copy()
 
     def stand(self, state: Vector) -> None:
-        """Stand there again, with participants whose saved states are those of then."""
+        """Restore such a state; the saved states of participants must belong to it."""
         self._state[:] = state
         self._check(self._library.fanfold_stand(self._handle))
 
@@ -380,7 +380,7 @@ class Coupling:
             raise self.failure()
 
     def failure(self) -> BaseException:
-        """Why the last call failed: in the words of a participant, or of the step that does not converge."""
+        """The error to raise after a failed call: of a participant, or of the step that does not converge."""
         progress = self._progress
         if progress.failure == _OF_STEP:
             return StepError(

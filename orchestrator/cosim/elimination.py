@@ -1,12 +1,12 @@
-"""In which order and with which blocks the linear system of a coupled step is eliminated.
+"""Order and blocks in which the linear system of a coupled step is eliminated.
 
-What the ports of a rigid body take acts as one wrench at its first port, which is all the unknown that it has. The
-wrenches on other bodies are unknown themselves; those of connections between the same bodies form a group. Groups that
-share a body or a connection to a rigid body depend on each other. They are eliminated by least degree: a chain, and a
-tree of chains, then stay as sparse as they were, so that memory and work grow linearly with the number of bodies. The
-tables are read by fmus/native/coupling/blocks.h.
+The wrenches on a rigid body act as one wrench at its first port, which is its only unknown. The wrenches on other
+bodies are unknowns themselves; those of connections between the same bodies form a group. Groups that share a body, or
+a connection to a rigid body, depend on each other. They are eliminated by least degree. A chain, and a tree of chains,
+then stays as sparse as it was, so that memory and work grow linearly with the number of bodies. The tables are used by
+fmus/native/coupling/blocks.c.
 
-A body that never moves has no unknown: no wrench depends on those that it takes.
+A body that never moves has no unknown, as no wrench depends on those that act on it.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class _Pattern:
         self.neighbours[row].add(column)
 
     def eliminate(self) -> list[int]:
-        """Fill in what elimination by least degree does, and return its order."""
+        """Add the fill-in of elimination by least degree, and return its order."""
         left = set(range(len(self.sizes)))
         queue = [(self._degree(group), group) for group in left]
         heapify(queue)

@@ -1,4 +1,4 @@
-"""The balance of energy of a scene: which observations it adds up, and what must be left over."""
+"""The energy balance of a scene: which observations it adds up."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class Energies(NamedTuple):
 
     @property
     def balance(self) -> float:
-        """What stays as it is: all that is stored and was lost, less what was supplied from outside."""
+        """The constant sum: stored and lost energies, less those supplied from outside."""
         return self.stored + self.dissipated + self.numerical - self.supplied
 
 
 def energy_rows(participants: Sequence[Participant]) -> Rows:
-    """Where the observations of all, in order, hold each of `Energies` (5, participants).
+    """Places of each of `Energies` (5, participants) among the observations of all, in order.
 
     Where a participant has none it is the place behind the last observation, which holds a zero.
     """

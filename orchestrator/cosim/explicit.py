@@ -1,8 +1,8 @@
-"""Explicit masters with a fixed communication step: baselines, and the way for FMUs that cannot roll back.
+"""Explicit masters with a fixed communication step: baselines, and masters for FMUs that cannot restore a state.
 
 Both hold every input over a step and take each participant through it once. Jacobi: all step with the
 values of t_n. Gauss-Seidel: bodies step first, connections then see the motion of t_n+1. A connection with
-direct feed-through ("endpoint") gives the wrench of the motion it was just handed; any other gives the mean
+direct feed-through ("endpoint") returns the wrench of the motion it has just received; any other returns the mean
 wrench of its last step, which reaches the bodies one step late (Gauss-Seidel) or two (Jacobi). Neither is
 stable for stiff joints: the step must resolve the highest frequency between the ports.
 """

@@ -56,14 +56,14 @@ FAILURES = (
     "give observations",
     "",
 )
-"""What an FMU could not do, by the number that network.h has for it; "" where a message says more."""
+"""Calls that an FMU failed in, by their number in network.h; "" where a message says more."""
 _FINITE, _OBSERVED = 4, 7
 _PYTHON = "PythonFMU"
-"""Its FMUs make a new state with every one saved, and log texts with percent signs as they are."""
+"""Its FMUs create a new state with every save, and log texts with percent signs unchanged."""
 
 
 class FMU2Declared(FMU2Slave):  # type: ignore[misc] # FMPy looks at the beginning of the name
-    """FMPy's, which finds out the types of all functions once and not with every instance."""
+    """FMPy's slave, with the types of all functions determined once, not for every instance."""
 
     _declared: ClassVar[dict[str, tuple[Any, Any, Any]]] = {}
 
@@ -83,9 +83,9 @@ class FmuParticipant:
     """One instance of an FMU file.
 
     Raises ParticipantError with the FMU's own log message when a call fails, and names the FMU and time.
-    directional_derivatives: whether it gives, right after a step, the derivatives of that step; the standard means
-    those at the end of the step alone. isolate: whether it has a process of its own, by default where its binary is
-    not the one that was compiled here; longest_call: time (s) after which a call of such a one is taken to hang.
+    directional_derivatives: whether it returns, right after a step, the derivatives of that step; the standard means
+    those at the end of the step alone. isolate: whether it runs in a process of its own, by default where its binary is
+    not the one that was compiled here; longest_call: time (s) after which a call to this process counts as hanging.
     """
 
     def __init__(
@@ -234,7 +234,7 @@ class FmuParticipant:
         return record
 
     def _derivative(self) -> Any:  # noqa: ANN401 - of ctypes
-        """The function for derivatives of the step just made; None where it means others, or has none."""
+        """The function for derivatives of the step just made; None where the FMU has none or means others."""
         offered = getattr(self._fmu.dll, "fmi2GetDirectionalDerivative", None)
         return offered if self.directional_derivatives else None
 

@@ -1,4 +1,4 @@
-"""What an unpacked FMU says of itself: its variables by what they are to a master, and Fanfold's annotation."""
+"""The description of an unpacked FMU: its variables by their role for a master, and Fanfold's annotation."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .ports import MOMENTS, MOTION, SLOPES, WRENCH
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)
-"""Outputs that the master reads beside the ports: of latches in every iteration, of motion laws after a step."""
+"""Outputs that the master reads in addition to the ports: of latches, and times to breaks of motion laws."""
 _ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
 _MOST_DESCRIPTIONS = 64
 _descriptions: dict[bytes, Described] = {}
@@ -38,7 +38,7 @@ class Described(NamedTuple):
 
     @classmethod
     def of(cls, description: Any, annotation: ElementTree.Element | None) -> Described:  # noqa: ANN401
-        """With variables by what they are to a master: outputs are those that it carries, observations all others."""
+        """With variables by their role for a master: outputs are those that it exchanges, observations all others."""
         reals = [v for v in description.modelVariables if v.type == "Real"]
         outputs = [v for v in reals if v.causality == "output"]
         layout, observed = _group(v for v in outputs if not _is_coupled(v.name))
@@ -53,7 +53,7 @@ class Described(NamedTuple):
 
 
 def described_in(folder: Path) -> Described:
-    """What an unpacked FMU says of itself, that of equal ones read once."""
+    """The description of an unpacked FMU; equal descriptions are read once."""
     file = folder / "modelDescription.xml"
     key = undated(file.read_bytes())
     if key not in _descriptions:

@@ -1,4 +1,4 @@
-"""An FMI 2.0 FMU in a process of its own as one that was loaded here: functions that C and Python call alike."""
+"""An FMI 2.0 FMU in a process of its own, with functions that C and Python call like those of a loaded FMU."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fmus.host.process import FmuProcess, HostError
 
 _REFERENCE, _NUMBER, _POINTER = 4, 8, sizeof(c_void_p)
 _PORT = 12 * 18
-"""Numbers of a port's stiffness, by each port."""
+"""Size of the stiffness of one port by the motion of one port."""
 _OFFERED = "fmi2GetDirectionalDerivative", "fanfoldGetPortStiffness"
 """Functions that an FMU may lack."""
 
@@ -52,14 +52,14 @@ _MEMORY: dict[str, Callable[..., tuple[Any, ...]]] = {
         _Written(matrix, _NUMBER * _PORT * ports * ports),
     ),
 }
-"""Contents of the memory that a function reads, by the addresses that it is given; others are given numbers only."""
+"""Contents of the memory that a function reads, by the addresses in its arguments; others have numbers only."""
 
 
 class IsolatedFmu:
     """An FMU in a process of its own.
 
-    dll: its functions, by their names; component: what each takes first. failure: why the process does not answer, or
-    what interrupted the last call. HostError where there is no instance.
+    dll: its functions, by their names; component: their first argument. failure: why the process does not answer, or
+    what interrupted the last call. HostError where it cannot be instantiated.
     """
 
     def __init__(self, folder: Path, name: str, longest_call: float) -> None:
@@ -96,12 +96,12 @@ class IsolatedFmu:
 
     @property
     def reason(self) -> str:
-        """Why the last call failed: what the FMU said, or what became of its process."""
+        """Why the last call failed: the message of the FMU, or the state of its process."""
         return str(self.failure) if isinstance(self.failure, HostError) else self._process.said
 
     @property
     def is_sound(self) -> bool:
-        """Whether the process is there and answers."""
+        """Whether the process runs and answers."""
         return self._process.is_sound
 
     def close(self) -> None:

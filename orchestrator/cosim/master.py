@@ -1,8 +1,8 @@
 """The master algorithm: what happens when in a co-simulation with implicit communication steps.
 
-The participants are advanced until something happens: a line reaches its latch, a condition holds, an event is due, a
-motion law breaks, or FMUs with signals take part. That then acts at its instant, and steps go on from there. How a step
-is made and what an event makes of loads, see `Coupling`.
+Participants are stepped until something happens: a line reaches its latch, a condition is met, an event is due, a
+motion law breaks, or FMUs with signals are to act. This acts at its instant, and steps go on from there. `Coupling`
+makes the steps, and computes what an event changes. docs/communication_step.md follows both.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from .snapshot import Snapshot
 from .step_plan import StepPlan
 
 _TO_CONVERGE = 1.0 / 1024.0
-"""Of the smallest step for accuracy, that a planned one may be divided to in order to converge."""
+"""Share of the smallest step for accuracy, down to which a planned step is divided in order to converge."""
 
 
 class Master(CoSimulation):
-    """Couples the participants of a network implicitly and follows them through time.
+    """Couples the participants of a network implicitly and steps them through time.
 
-    keep: takes snapshots, where settings ask for them.
+    keep: receives snapshots, where the settings have an interval for them.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class Master(CoSimulation):
         self.keep: Callable[[Snapshot], None] = lambda snapshot: None
 
     def _record_start(self) -> None:
-        """Of loads just after the start: motors act from then on, and what held lines in a search has let go."""
+        """The first row has loads just after the start: motors act, and the static search no longer holds lines."""
         self.coupling.record_start()
 
     def run(self, until: float) -> None:
@@ -101,7 +101,7 @@ class Master(CoSimulation):
         return self._scheduled.due(self.time) is not None or self._signals.is_due(self.time)
 
     def _divide(self, stop: Stop) -> None:
-        """Make several steps of a planned one that gains energy or does not converge."""
+        """Divide a planned step that leaves the energy balance open or does not converge."""
         least = self.coupling.smallest * (_TO_CONVERGE if stop == Stop.UNSOLVED else 1.0)
         if self._plan.divide(self.segments, least):
             self.statistics.rejected += 1
@@ -111,7 +111,7 @@ class Master(CoSimulation):
             self.coupling.give_in()
 
     def _meet(self, made: Advance) -> None:
-        """Let a line latch or an event act that a step was ended for, and then all that came with it."""
+        """Let the line or the event act that ended the step, then all others that were reached at this instant."""
         waiting: list[HingeLine | Event] = [*self._pending, *self._scheduled.conditional]
         awaited = {self._numbers[one.name]: one for one in waiting}
         others = [number for number in made.reached if number != made.crossed]
@@ -125,7 +125,7 @@ class Master(CoSimulation):
         self._record_untold()
 
     def _locking(self, line: HingeLine, acting: Sequence[HingeLine | Event]) -> list[HingeLine]:
-        """The line as it is pending, and those kinematic ones that act with it and lock with it; none if it is not."""
+        """The line, and kinematic lines that act and lock together with it; empty if the line is not pending."""
         own = [one for one in self._pending if one.name == line.name]
         names = {one.name for one in acting} - {line.name}
         return own and own + [
@@ -133,7 +133,7 @@ class Master(CoSimulation):
         ]
 
     def _happen(self, event: Event) -> None:
-        """Let an event act at this instant, and go on as after any other."""
+        """Let an event act at this instant, with the latches that it commands, and continue with first steps."""
         coupling = self.coupling
         coupling.note_roughness()
         self._act(event)
@@ -147,14 +147,14 @@ class Master(CoSimulation):
         self._renew()
 
     def _pass_break(self) -> None:
-        """Go on after a break of a law; where a hold-down has let go, with a row of what that makes of loads."""
+        """Continue after a break of a law; where a hold-down has let go, with a row of the jump of loads."""
         if self._lets_go:
             self.coupling.forget(bodies=True)
             self._record_jump(self._instant(self.coupling.size))
         self._renew()
 
     def _take_signals(self) -> None:
-        """Have FMUs with signals act at this instant; where something changes, a hold-down too, as after an event."""
+        """Let FMUs with signals act at this instant; if anything changes or a hold-down lets go, as after an event."""
         coupling = self.coupling
         if any([self._exchange_signals(), self._lets_go]):
             size = coupling.size
@@ -171,7 +171,7 @@ class Master(CoSimulation):
         coupling.watch()
 
     def _latch(self, line: HingeLine, *others: HingeLine) -> None:
-        """Engage all latches of a line; kinematic ones, of others too, take relative rates away in an impulse."""
+        """Engage all latches of a line; kinematic lines, with others, lose their relative rates in an impulse."""
         coupling, lines = self.coupling, (line, *others)
         self._pending = [one for one in self._pending if one not in lines]
         numbers = [self._numbers[one.name] for one in lines]
@@ -206,50 +206,50 @@ class Master(CoSimulation):
         self._acting = acting
 
     def _impulse(self, h: float) -> list[HingeLine]:
-        """A vanishing step h (s) that stops joints; returns lines that pass their latches in it."""
+        """Make an impulse of a step h (s); returns pending lines that pass their latches in it."""
         passed = self.coupling.impulse(h)
         waiting = [line for line in self._pending if line not in self._acting]
         return [line for line in waiting if self._numbers[line.name] in passed]
 
     def _record_jump(self, after: float, *, others: bool = False, keeps_bodies: bool = False) -> bool:
-        """A row of what just acted; others: whether more is known to act at this instant."""
+        """Write a row with the jump of what just acted, unless others act at this instant; whether it was solved."""
         others |= any(one in (*self._pending, *self._scheduled.conditional) for one in self._acting)
         return self.coupling.record_jump(after, others=others, keeps_bodies=keeps_bodies)
 
     def _record_untold(self) -> None:
-        """The row of an instant that was left to what then had none of its own."""
+        """Write the row of this instant, if it was left to a later event that did not write it."""
         if self.coupling.is_untold:
             self._record_jump(self._instant(self.coupling.size))
 
     def _instant(self, size: float) -> float:
-        """A step (s) too short for motion, where the next one has a size (s), or the one that is planned."""
+        """Size (s) of a step in which nothing moves, where the next one has a size (s) or is planned."""
         return self.coupling.instant(self._plan.first_after(self.segments) if self._plan else size)
 
     def _renew(self, known: float = 0.0) -> None:
-        """Continue with short steps (s), or a known short step; earlier steps do not predict the following ones."""
+        """Continue with first steps, or with a known size (s) if larger; earlier steps do not predict the next ones."""
         self.coupling.renew(known)
         self._begin_segment()
 
     def _begin_segment(self) -> None:
-        """Count steps anew, where any were made since the last event."""
+        """Begin a new segment, if the present one has steps."""
         if self.segments[-1]:
             self.segments.append([])
 
     @property
     def _next_snapshot(self) -> float:
-        """Time (s) from which on a step has led past a time for a snapshot."""
+        """Time (s) after which the next snapshot is due."""
         every = self.settings.snapshot_every
         return inf if every is None else (self.time // every + 1.0) * every - TIME_ROUNDING
 
     def _keep_snapshot(self, h: float) -> None:
-        """Give one away where a step h (s) led past a time for it, and go on as a run that starts from it."""
+        """Keep a snapshot if one was due within the last step h (s), and go on like a run that starts from it."""
         every = self.settings.snapshot_every
         if every is not None and self.time // every > (self.time - h) // every:
             self.coupling.forget(bodies=True)
             self.keep(self.snapshot())
 
     def snapshot(self) -> Snapshot:
-        """Where this run stands."""
+        """The present state of the run."""
         participants = self.network.participants
         arrays = {
             "coupling": self.coupling.state(),
@@ -268,7 +268,7 @@ class Master(CoSimulation):
         return Snapshot(numbers, arrays, {p.name: p.serialized() for p in participants})
 
     def resume(self, snapshot: Snapshot) -> None:
-        """Stand where another run stood, in place of `initialize`."""
+        """Restore the state of another run, in place of `initialize`."""
         numbers, arrays = snapshot.numbers, snapshot.arrays
         for name in numbers["happened"]:
             self._scheduled.take(self._events[name])

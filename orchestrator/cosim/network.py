@@ -1,7 +1,7 @@
 """Which port meets which: checks of the connections, and the index arrays that carry values across them.
 
-Bodies give motions and take wrenches; connections the other way round. The unknown of a coupled step is
-the vector of all wrenches that bodies take, in the order of the bodies and their ports. In a network of order 4 every
+Bodies return motions and receive wrenches; connections do the reverse. The unknown of a coupled step is
+the vector of all wrenches on bodies, in the order of the bodies and their ports. In a network of order 4 every
 wrench is followed by its slope, and every pose by first moments of the velocities; see `components.slope_layout`.
 """
 
@@ -116,7 +116,7 @@ class Network:
     def ordered(
         cls, participants: Sequence[Participant], links: Iterable[Link], order: Order | None
     ) -> Network:
-        """Of an order; without one of 4, or of 2 where no connection could be of more: slopes of none cost steps."""
+        """A network of an order; without one of order 4, or of 2 where no connection can be of order 4."""
         links = tuple(links)
         network = cls(participants, links, order or 4)
         if order is None and network.connections and len(network.coarse) == len(network.connections):
@@ -134,7 +134,7 @@ class Network:
     def order_of(self, name: str) -> Order:
         """Order of a participant by name: a connection with a body of order 2 is of that as well.
 
-        Slopes on one of its sides only would turn the whole: their moment on ports that move is part of balance.
+        Slopes on one side only would turn the whole structure, as the moment balance contains those of both sides.
         """
         return 2 if name in self.coarse else self.order
 
@@ -177,7 +177,7 @@ class Network:
 
 
 def _port_table(values: Vector, first: int, width: int, ports: int) -> Matrix:
-    """A view (ports, width) of what the ports hold in an array."""
+    """A view (ports, width) of the numbers of the ports in an array."""
     return values[first : first + width * ports].reshape(ports, width)
 
 

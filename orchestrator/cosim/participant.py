@@ -1,4 +1,4 @@
-"""Whatever takes part in a co-simulation: one protocol, with an in-process component as the plainest case.
+"""Participants of a co-simulation: one protocol, with an in-process component as the simplest case.
 
 The master sets inputs and reads outputs through arrays that a participant owns and keeps for its life, so
 stepping allocates nothing on the master's side.
@@ -34,7 +34,7 @@ def all_finite(values: Vector) -> bool:
 def refuse_not_finite(
     owner: str, what: str, layout: Layout, values: Vector, time: float | None = None
 ) -> None:
-    """ParticipantError that names the first value that is not finite: of whom, what its values are, and when (s)."""
+    """ParticipantError that names the first value that is not finite, with its owner and time (s)."""
     if not all_finite(values):
         bad = int(np.argmin(np.isfinite(values)))
         when = "" if time is None else f" at t = {time:.6g} s"
@@ -49,8 +49,8 @@ class Participant(Protocol):
     """One FMU or component in a running co-simulation.
 
     `inputs` and `outputs` are arrays in the order of `input_layout` and `output_layout`. `save` remembers
-    the present state in the one slot there is; `restore` goes back to it, any number of times.
-    `noun`: what people call its kind, empty where that is not known. `constant_mobility`, `prescribed_motion`: of a
+    the present state in the single slot; `restore` returns to it, any number of times.
+    `noun`: word for its kind in messages, empty where unknown. `constant_mobility`, `prescribed_motion`: of a
     body, see `Component`; False where nothing is known. `record`: the same calls for the compiled library.
     """
 
@@ -108,7 +108,7 @@ class Participant(Protocol):
 
 
 def first_observations(participants: Iterable[Participant]) -> dict[str, int]:
-    """Where the observations of each begin, by its name, in those of all, one's after the other's."""
+    """First place of the observations of each participant, by its name, among those of all in order."""
     firsts, first = {}, 0
     for participant in participants:
         firsts[participant.name] = first
@@ -125,11 +125,11 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "set_state": (c_void_p,),
     "free_state": (c_void_p,),
 }
-"""Arguments of the functions that the library calls, behind the component."""
+"""Types of arguments of the functions that the library calls, after the component."""
 
 
 class Callbacks:
-    """Calls of the library to a participant in Python."""
+    """Functions for the library that call a participant in Python."""
 
     def __init__(self, participant: Participant) -> None:
         self._participant = participant
@@ -169,7 +169,7 @@ class Callbacks:
         return CFUNCTYPE(c_int, c_void_p, *_FUNCTIONS[name])(called)
 
     def _read(self, to: int, *, at_ports: bool) -> None:
-        """Outputs, which are where the participant has them, or observations, to their place among all."""
+        """Read outputs into the participant's own array, or copy observations to their place among all."""
         if at_ports:
             self._participant.read()
         else:
@@ -181,7 +181,7 @@ class Callbacks:
         self._saved.value = 1
 
     def failure(self) -> BaseException:
-        """What the participant raised last."""
+        """The error that the participant raised last."""
         assert self._failure is not None
         return self._failure
 
@@ -212,18 +212,18 @@ class InProcess:
 
     @property
     def record(self) -> Structure:
-        """Calls of the methods here."""
+        """Functions that call the methods of this class."""
         if self._callbacks is None:
             self._callbacks = Callbacks(self)
         return self._callbacks.record
 
     def failure(self, call: int, status: int, time: float, h: float) -> BaseException:
-        """What a method raised."""
+        """The error that a method raised last."""
         assert self._callbacks is not None
         return self._callbacks.failure()
 
     def _trying(self, act: Callable[[], T]) -> T:
-        """What the component gives; what it refuses, with the name of the participant."""
+        """Result of a call of the component; its errors name the participant."""
         try:
             return act()
         except ComponentError as error:

@@ -1,4 +1,4 @@
-"""What ports carry: names of their variables, how many numbers, and where a participant holds them."""
+"""What ports exchange: names of their variables, how many numbers, and where a participant has them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Side = Literal["body", "connection"]
 
 
 class Width(NamedTuple):
-    """Numbers of a port: of its wrench, with slope, and of its motion as coordinates.
+    """How many numbers a port has: of its wrench, with slope, and of its motion as coordinates.
 
     Coordinates are translation and rotation vector, at order 4 first moments of both rates, then the rates, world axes.
     """
@@ -37,7 +37,7 @@ WIDTHS = {2: Width(6, 12), 4: Width(12, 18)}
 
 
 class PortPlaces(NamedTuple):
-    """Where a participant holds what its ports carry, port after port: wrenches and motions from its arrays' start.
+    """Where a participant has the numbers of its ports, port after port: wrenches and motions begin its arrays.
 
     side: which side of a link they are. ports: how many. slopes, moments: where the first port's begin in the array
     on the same side; None without.

@@ -1,4 +1,4 @@
-"""Rows of results: who takes them, and what they take of observations."""
+"""Rows of results: who receives them, and which observations they contain."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ SCENE_CHANNELS = (
 
 
 class Recorder(Protocol):
-    """Takes what happened, in order."""
+    """Receives rows and events, in order."""
 
     def extend(self, times: Vector, rows: Matrix) -> None:
-        """Rows (n, values) at times (n,): of every participant what is recorded, then `SCENE_CHANNELS` and signals."""
+        """Rows (n, values) at times (n,): recorded observations of all participants, `SCENE_CHANNELS`, signals."""
 
     def event(self, time: float, component: str, text: str) -> None:
-        """Something switched."""
+        """An event, such as a latch-up, at a time (s)."""
 
 
 def recorded_layout(layout: Layout) -> Layout:
-    """What is recorded of observations: all but the lagged ones, which correct others."""
+    """Observations that are recorded: all except the lagged ones, which correct others."""
     return Layout(q for q in layout.quantities if not q.name.endswith(LAGGED))
 
 
 def recorded_places(participants: Sequence[Participant]) -> Vector:
-    """Places of it among the observations of all; lagged ones come last in each."""
+    """Places of recorded observations among those of all; lagged ones come last in each participant."""
     layouts = [p.observation_layout for p in participants]
     firsts = np.cumsum([0, *(layout.size for layout in layouts)]).tolist()
     found = [
@@ -49,7 +49,10 @@ def recorded_places(participants: Sequence[Participant]) -> Vector:
 
 
 def lagged_pairs(first: int, participant: Participant) -> Iterator[tuple[int, int]]:
-    """Places of every scalar of a lagged observation, and of its source; first: where the participant's begin."""
+    """Places of each scalar of a lagged observation and of the scalar that it corrects.
+
+    first: first place of the participant.
+    """
     layout = participant.observation_layout
     for quantity in layout.quantities:
         if quantity.name.endswith(LAGGED):

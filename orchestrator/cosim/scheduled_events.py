@@ -1,4 +1,4 @@
-"""Events of a scene in a run: which have not happened, when the next one comes, and what one does to participants."""
+"""Events of a scene in a run: which are pending, when the next one is due, and what it sets."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _REACHED = 1e-9  # s, what sums of step sizes may leave
 
 
 class ScheduledEvents:
-    """The events that are still to come.
+    """The events of a run.
 
-    distance: of a condition from holding, as last observed; falls through zero. happened: names of the others, in their
-    order.
+    distance: function for the distance of a condition from being met; it falls through zero. pending: events that have
+    not happened; happened: names of the others, in their order.
     """
 
     def __init__(
@@ -33,23 +33,23 @@ class ScheduledEvents:
 
     @property
     def conditional(self) -> list[Event]:
-        """Those that wait for a condition."""
+        """Pending events that wait for a condition."""
         return [event for event in self.pending if event.condition is not None]
 
     @property
     def next_time(self) -> float:
-        """Time (s) of the next one that has a time."""
+        """Time (s) of the next event that has a time; infinite without."""
         return min((event.time for event in self.pending if event.time is not None), default=inf)
 
     def due(self, time: float) -> Event | None:
-        """One whose time has come, or whose condition holds."""
+        """A pending event whose time has come or whose condition is met; None without."""
         for event in self.pending:
             if self._distance(event) <= 0.0 if event.time is None else event.time <= time + _REACHED:
                 return event
         return None
 
     def holding(self, observed: Callable[[Condition], float]) -> list[str]:
-        """Sentences on conditions that hold already; observed: what one waits for, as last observed."""
+        """Sentences on conditions that are met already; observed: function for the quantity of a condition."""
         found = []
         for event in self.conditional:
             if (c := event.condition) is not None and self._distance(event) <= 0.0:
@@ -62,12 +62,12 @@ class ScheduledEvents:
         return found
 
     def take(self, event: Event) -> None:
-        """It happens now."""
+        """Note that an event happens now."""
         self.pending.remove(event)
         self.happened.append(event.name)
 
     def release(self, event: Event) -> None:
-        """Command what lets go; it does from the next step's start."""
+        """Command the releases of an event; they act from the start of the next step."""
         for name in event.releases:
             participant = self._participants[name]
             for command in (RELEASE_COMMAND.name, FAILURE_COMMAND.name):
@@ -75,6 +75,6 @@ class ScheduledEvents:
                     participant.inputs[participant.input_layout[command]] = 1.0
 
     def set(self, event: Event) -> None:
-        """Set parameters."""
+        """Set the parameters of an event."""
         for setting in event.settings:
             self._participants[setting.part].set_parameter(setting.parameter, setting.value)

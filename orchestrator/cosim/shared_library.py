@@ -1,6 +1,6 @@
 """One loaded library for all native FMUs of a process, though every FMU file carries its own copy.
 
-The loader maps a file once however often it is asked for, and the processor's instruction cache then serves
+The loader maps a file once, however often it is loaded, and the processor's instruction cache then serves
 all instances: a chain of 128 panels steps three to four times as fast. Copies are not even unpacked.
 """
 
@@ -30,9 +30,9 @@ def library_of(unpacked: Path, model_identifier: str) -> Path:
 
 
 def unpack(path: Path, folder: Path) -> list[Path]:
-    """Unpack an FMU into a folder; returned are its binaries that are the one compiled when Fanfold was installed here.
+    """Unpack an FMU into a folder; returns its binaries that equal the library compiled at the installation of Fanfold.
 
-    In place of these, which have no state of their own, stand links to one copy for all. ValueError where the archive
+    These have no global state, and links to one copy replace them. ValueError where the archive
     is not one to unpack.
     """
     if problems := list(archive_problems(path, contents=False)):

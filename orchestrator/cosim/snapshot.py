@@ -1,6 +1,6 @@
-"""Where an implicit run stands between two steps, as plain numbers, to go on from there in every bit as it would have.
+"""State of an implicit run between two steps, as plain numbers, from which a run continues bit-identically.
 
-What follows from the rest, such as interface Jacobians, is no part: a run that takes a snapshot forgets it as well.
+It contains nothing that follows from other parts, such as interface Jacobians; a run that makes a snapshot drops these.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 Numbers = dict[str, Any]
-"""What JSON holds; it gives back every bit of a floating-point number."""
+"""Values that JSON can contain; it preserves every bit of a floating-point number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """numbers: of the master. arrays: by name, of the coupling, its steps, and participants' inputs and outputs.
+    """numbers: of the master. arrays: by name, of the coupling, its steps, and inputs and outputs of participants.
 
-    states: of the participants, as they serialise them, by name.
+    states: serialised states of the participants, by name.
     """
 
     numbers: Numbers

@@ -1,4 +1,4 @@
-"""Step sizes given before a run, such as those of an earlier one."""
+"""Step sizes that are known before a run, such as those of an earlier run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _TAIL, _PARTS = 8, 4
 
 
 class StepPlan:
-    """Steps given before a run, a list (s) for every segment between events; those beyond the last go by that."""
+    """Planned steps, a list (s) for each segment between events; further segments follow the last list."""
 
     def __init__(self, segments: Sequence[Sequence[float]]) -> None:
         # a run that ends at an event has begun a segment without steps
@@ -19,7 +19,7 @@ class StepPlan:
         return bool(self._segments)
 
     def now(self, made: Sequence[Sequence[float]]) -> tuple[list[float], int]:
-        """The plan (s) of the present segment, and where in it a run stands that has made these steps."""
+        """The plan (s) of the present segment, and the index of the next step of a run that has made these steps."""
         segment, position = len(made) - 1, len(made[-1])
         plan = self._segments[min(segment, len(self._segments) - 1)]
         # beyond its end, not the last step's size: that one only ended at an event and may be tiny
@@ -32,11 +32,11 @@ class StepPlan:
         return plan[position:]
 
     def first_after(self, made: Sequence[Sequence[float]]) -> float:
-        """The first planned step (s) after an event now."""
+        """The first planned step (s) after an event that acts now."""
         return self.now([*made, []] if made[-1] else made)[0][0]
 
     def divide(self, made: Sequence[Sequence[float]], least: float) -> bool:
-        """Make several steps of the next one; False where they would be smaller than that (s)."""
+        """Divide the next step; False where its parts would be smaller than `least` (s)."""
         plan, position = self.now(made)
         part = plan[position] / _PARTS
         if part < least:
@@ -46,8 +46,8 @@ class StepPlan:
 
 
 def to_own_events(segments: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Steps of a run as a plan for one whose events come a little earlier or later: the last of each is longer.
+    """Steps of a run as a plan for one whose events come a little earlier or later: the last of each segment is longer.
 
-    Without, an event that comes a little later leaves a step so tiny that loads after it are off.
+    Otherwise an event that comes a little later leaves a tiny step, whose loads are wrong.
     """
     return [[*steps[:-1], _LONGER * steps[-1]] if steps else [] for steps in segments]

@@ -1,4 +1,4 @@
-"""What the compiled coupling reads, `fmus/native/coupling/tables.h`: tables of numbers by name."""
+"""Tables of numbers by name, from which the library makes a coupling (`fmus/native/coupling/tables.c`)."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from .rows import lagged_pairs, recorded_places
 from .settings import Settings
 
 NOWHERE = 10**8
-"""Place of what a participant does not have."""
+"""Place of a quantity that a participant does not have."""
 _ITERATED, _MOST_ITERATED = {2: 1e-2, 4: 1e-3}, 1e-6
-"""Tolerance of an iteration over that of the run by order, and the largest; slopes take up what it leaves in stiff
-joints, and recorded loads."""
+"""Tolerance of an iteration over that of the run by order, and the largest one. At order 4 errors that an iteration
+leaves in stiff joints go into slopes and recorded loads."""
 _LOCKED, _LEAST_LOCKED = 1e-2, 1e-9
-"""Of these where rigid bodies lock: what is left of a lock of 1e8 N.m/rad is a torque beside those of light bodies; the
-least is limited by round-off."""
+"""Factor of both where rigid bodies lock, as errors in a lock of 1e8 N.m/rad are torques as large as those of light
+bodies; and the smallest tolerance that round-off permits."""
 
 
 def coupling_tables(
@@ -43,7 +43,7 @@ def coupling_tables(
     settings: Settings,
     signals: int = 0,
 ) -> Mapping[str, ArrayLike]:
-    """All of them. lines: all of the scene; those that latch are told. signals: channels of FMUs with signals."""
+    """All tables. lines: those of the scene; the latching ones are written. signals: channels of FMUs with signals."""
     participants = network.participants
     number = {participant.name: i for i, participant in enumerate(participants)}
     latching = [line for line in lines if line.latches]
@@ -76,12 +76,12 @@ def coupling_tables(
 
 
 def place_of(layout: Any, name: str) -> int:  # noqa: ANN401 - a Layout
-    """Where a quantity begins."""
+    """First place of a quantity, or NOWHERE."""
     return int(layout[name].start) if name in layout else NOWHERE
 
 
 def is_hold_down(participant: Participant) -> bool:
-    """Whether a participant can let go, so that its break may be that."""
+    """Whether a participant can let go, so that a break of its law may be a release."""
     return RELEASE_COMMAND.name in participant.input_layout
 
 
@@ -91,7 +91,7 @@ def _with_firsts(participants: Sequence[Participant]) -> Iterator[tuple[Particip
 
 
 def _by_tolerance(lines: Sequence[HingeLine], settings: Settings, order: Order) -> list[float]:
-    """What numbers follow from the tolerance by, in the order of coupling.c."""
+    """Numbers from which others follow by the tolerance, in the order of coupling.c."""
     locks = any(line.locks_rigid for line in lines)
     share, most, least = _ITERATED[order], _MOST_ITERATED, 0.0
     if locks:
@@ -145,7 +145,7 @@ def _linear_system(network: Network) -> dict[str, ArrayLike]:
 
 
 def _laws(participants: Sequence[Participant]) -> dict[str, ArrayLike]:
-    """Participants that tell times to breaks, and where among their outputs; hold-downs, and how many, come first."""
+    """Participants with times to breaks and the places of these outputs, hold-downs first; number of hold-downs."""
     telling = [
         (k, p.output_layout[TIME_TO_BREAK.name].start)
         for k, p in enumerate(participants)
@@ -157,26 +157,26 @@ def _laws(participants: Sequence[Participant]) -> dict[str, ArrayLike]:
 
 
 def _line(line: HingeLine, number: Mapping[str, int]) -> list[int]:
-    """Hinges, the sensor first, as it stays while it is not released."""
+    """Hinges of a line, the sensor first, as the first hinge that is not released is the sensor."""
     hinges = [line.sensor, *(name for name in line.hinges if name != line.sensor)]
     return [len(hinges), int(line.kinematic), *(number[name] for name in hinges)]
 
 
 def observed_place(participants: Sequence[Participant], condition: Condition) -> int:
-    """Where the observations of all hold what a condition waits for."""
+    """Place of the quantity of a condition among the observations of all."""
     part = next(p for p in participants if p.name == condition.part)
     first = first_observations(participants)[condition.part]
     return first + int(part.observation_layout[condition.variable].start) + condition.index
 
 
 def _passage(condition: Condition) -> tuple[float, float]:
-    """The value, and what distances to it are divided by: positive until it is passed, relative where it is large."""
+    """The value, and the divisor of distances to it: positive before it is passed, relative if it is large."""
     size = max(1.0, abs(condition.value))
     return condition.value, size if condition.rising else -size
 
 
 def _penetrations(participants: Sequence[Participant]) -> Iterator[tuple[str, int]]:
-    """Names of stops and contacts, and where among the observations of all each tells how deep it is touched."""
+    """Names of stops and contacts, and the place of each penetration among the observations of all."""
     for participant, first in _with_firsts(participants):
         layout = participant.observation_layout
         for quantity in layout.quantities:

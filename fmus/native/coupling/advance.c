@@ -1,4 +1,4 @@
-/* Communication steps, one after the other, until something happens: size, solution, errors, and where events are met. */
+/* Communication steps one after the other until something happens: size, solution, error, location of events. */
 
 #include "coupling.h"
 
@@ -9,17 +9,17 @@
 #include "scheme.h"
 
 enum { EVENT_SEARCH = 40 };
-#define EVENT_TOLERANCE 1e-11 /* of the distance of an event, relative: where it is taken for met */
+#define EVENT_TOLERANCE 1e-11 /* distance at which an event is met */
 #define LONGEST_CALL 0.03     /* s of wall time, after which a report is due */
 
-/* How an attempt at a step ends where `coupling_advance` goes on. */
+/* How an attempt at a step ends, other than by what `coupling_advance` returns. */
 enum { MADE = STOPPED_SHORT + 1, REJECTED };
 
 static int are_sizes_given(const Coupling *c) { return c->request.plan || c->request.fixed_step > 0.0; }
 
 static double next_break(const Coupling *c) { return fmin(c->law_time, c->request.event_time); }
 
-/* Size of the next step: a remainder that is a tiny step would cost accuracy; stretch or share instead. */
+/* Size of the next step. A tiny step as a remainder would cost accuracy, so that it is avoided. */
 static double next_size(const Coupling *c) {
     const double remaining = fmin(c->request.until, next_break(c)) - c->progress.time;
     const double h = c->request.plan                ? c->request.plan[c->progress.made]
@@ -34,8 +34,8 @@ static int stop_short(Coupling *c, int failure) {
     return STOPPED_SHORT;
 }
 
-/* After a step that cannot stand: set a smaller one, at least so long as a share of the smallest; failure: what to report
-   where there is none. Who gave the size of a step, `of_plan`, has to give another one. */
+/* After a failed attempt: set a smaller size, at least a share of the smallest one. failure: what to report where there
+   is none. A planned size is the caller's: `of_plan` is returned. */
 static int reject(Coupling *c, double share, int of_plan, int failure) {
     if (c->request.plan) {
         coupling_fails(c, failure);
@@ -49,10 +49,11 @@ static int reject(Coupling *c, double share, int of_plan, int failure) {
 
 static int failure_of(int status) { return status == REFUSED ? OF_PARTICIPANT : OF_STEP; }
 
-/* Stops and contacts that wait and that the step just observed has struck. */
+/* Whether the step just observed strikes a stop or contact that waits. */
 static int is_struck(const Strike *s) { return *s->waits != 0.0 && s->before < 0.0 && *s->place >= 0.0; }
 
-/* Have what the step at hand has struck judged from now on; how many there are, negative where a participant refuses. */
+/* Judge the loads of all that the present step has struck from now on. Returns how many there are, negative if a
+   participant fails. */
 static int judge_struck(Coupling *c, double h) {
     static const Slope free_of_load;
     Stiffening found[MOST_STRUCK];
@@ -79,7 +80,7 @@ static int judge_struck(Coupling *c, double h) {
     return struck;
 }
 
-/* Whether the solved step stands. */
+/* Accept or reject the solved step. */
 static int judge_step(Coupling *c, double h) {
     const Network *n = &c->network;
     if (!guard_allows(&c->guard, n->energies, h)) {
@@ -95,13 +96,14 @@ static int judge_step(Coupling *c, double h) {
     const int struck = judge_struck(c, h);
     if (struck < 0) return stop_short(c, OF_PARTICIPANT);
     const double square = struck ? 0.0 : error_square(&c->network, c->progress.time + 0.5 * h, h, c->limit.energy);
-    /* what was struck has the step made once more, judged by what that pushes with as well */
+    /* a step that strikes is made once more, with the load of what it strikes in its error */
     if (!struck && (isnan(square) || judge_error(&c->sizes, sqrt(square) / c->limit.allowed))) return MADE;
     c->progress.rejected++;
     return REJECTED;
 }
 
-/* What first falls through zero in a step h, as a number, by straight lines; the first one of simultaneous ones. */
+/* Number of the first distance that falls through zero in a step h (s), by linear interpolation; negative for none. Of
+   simultaneous ones it is the first in order. */
 static ptrdiff_t first_crossed(const Coupling *c, double h) {
     ptrdiff_t best = -1;
     double best_time = h;
@@ -117,8 +119,8 @@ static ptrdiff_t first_crossed(const Coupling *c, double h) {
     return best;
 }
 
-/* Repeat the step so that it ends where a distance reaches zero, by the Illinois variant of the false position: its size in
-   `h`. How the last solution ended. */
+/* Repeat the step so that it ends where a distance is zero, by the Illinois variant of the false position; h: its size
+   (s). Returns how the last solution ended. */
 static int meet(Coupling *c, size_t crossed, double *h) {
     const Crossing *one = c->crossing + crossed;
     double low = 0.0, high = *h, at_low = one->before, at_high = distance_of(one);
@@ -144,7 +146,7 @@ static int meet(Coupling *c, size_t crossed, double *h) {
     return CONVERGED;
 }
 
-/* Mark what was met, and all else that falls through zero at that instant. */
+/* Mark what ended the step, and all else that falls through zero within an INSTANT. */
 static void note_reached(Coupling *c, ptrdiff_t crossed, double h) {
     for (size_t k = 0; k < c->crossings; k++) {
         const Crossing *one = c->crossing + k;
@@ -195,7 +197,7 @@ static int try_step(Coupling *c) {
     return crossed >= 0 ? REACHED : is_break ? BROKE : MADE;
 }
 
-/* Whether a condition holds without having been passed. */
+/* Whether a condition is met though its distance has not fallen through zero. */
 static int is_condition_met(const Coupling *c) {
     for (size_t k = c->lines; k < c->crossings; k++)
         if (c->pending[k] != 0.0 && c->crossing[k].before <= 0.0) return 1;

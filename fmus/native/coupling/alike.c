@@ -1,4 +1,4 @@
-/* Steps of a run that others make again. */
+/* Steps that one run notes and others repeat. */
 
 #include "alike.h"
 

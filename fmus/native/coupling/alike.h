@@ -1,5 +1,5 @@
-/* Steps of a run that others make again, which differ from it by parameters or drives: what those differ by holds no
-   error of step sizes or of iterations, and so tells derivatives. */
+/* Steps that one run notes and others repeat with other parameters or drives. The difference of both contains no error
+   of step sizes or iterations, so that it is a derivative. */
 
 #ifndef FANFOLD_ALIKE_H
 #define FANFOLD_ALIKE_H
@@ -12,21 +12,21 @@
 
 /* MOST_NOTED: steps of the master within one communication step. */
 enum { MOST_NOTED = 4096 };
-/* Of iterations, over the largest wrench, and where rounding of stiff joints lets them come no further: what the
-   difference may hold of them. Events are met as usual: from the same side. */
+/* Correction over the largest wrench at which iterations of repeated steps end, and the one that rounding of stiff
+   joints may leave. Events are located as usual: from the same side. */
 #define ALIKE_ITERATED 1e-12
 #define ALIKE_STALLED 1e-7
 
-/* A step as it was tried, and whether something crossed in it. */
+/* Size (s) of a step as it was tried, and whether an event ended it. */
 typedef struct {
     double size, meets;
 } NotedStep;
 
 enum { IS_PLAIN, NOTES_STEPS, REPEATS_STEPS };
 
-/* step (MOST_NOTED,); wanted (parameters,): those that the host had set in the run that others repeat; mode: what a run
-   does with them; acts: whether what the host may change acts, changed or not; gives: whether the host gives
-   accelerations of a base, negative until the first run that repeats has told. */
+/* step (MOST_NOTED,); wanted (parameters,): values that the host had set in the noted run; mode: what the run does with
+   steps; acts: whether values of the host act even where they have not changed; gives: whether the host provides
+   accelerations of a base, negative until the first run that repeats steps. */
 typedef struct {
     NotedStep *step;
     double *wanted;
@@ -34,20 +34,21 @@ typedef struct {
     int mode, acts, gives;
 } NotedSteps;
 
-/* Have the next turn try the size that was noted. */
+/* Prescribe the noted size for the next turn. */
 void tell_size(const NotedSteps *noted, Coupling *c);
-/* Note a step just made, or that it is as it was noted; 0 and a sentence where it is not, or where there is no room. */
+/* Note the step just made, or check that it is like the noted one. 0 where it is not, or where there is no room, which
+   `said` then states. */
 int note_step(NotedSteps *noted, const Coupling *c, int meets, char *said, size_t size);
-/* Whether a run that repeats steps has any left. */
+/* Whether noted steps are left to repeat. */
 int has_left(const NotedSteps *noted);
 
-/* How exactly a run solves its steps, and whether it repeats others. */
+/* How exactly a run solves its steps: tolerance.relative, stalled and repeats of a coupling. */
 typedef struct {
     double iterated, stalled;
     size_t repeats;
 } Exactness;
 
-/* From now on, as wanted; what was before. */
+/* Set them; returns the values before. */
 Exactness set_exactness(Coupling *c, Exactness wanted);
 
 #ifdef __GNUC__

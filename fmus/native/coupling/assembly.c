@@ -1,8 +1,8 @@
-/* A scene as one component: its components and the master that couples them, which steps as its tolerance asks.
+/* A scene as one component: its components and the master that couples them, whose steps follow from its tolerance.
 
-   The master goes on until rows of results stand on both sides of a communication point; what is read there lies
-   between them. Inputs and parameters that change have it go back to the communication point first. So results do not
-   depend on the communication step size, and small ones cost nothing. */
+   The master goes on until rows of results lie on both sides of a communication point; values there are interpolated.
+   Where inputs and parameters change, it first goes back to the communication point. So results do not depend on the
+   communication step size, and small ones cost nothing. */
 
 #define _POSIX_C_SOURCE 200112L
 #include "assembly_model.h"
@@ -17,12 +17,13 @@
 #define SAME_EVENT 1e-9 /* s */
 #define MOST_STEPS_INSIDE 1e6 /* of a communication step: from seconds to minutes */
 
-/* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, rates
-   at latch-up, whether latched, and peaks. */
+/* The outputs, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, rates at latch-up,
+   whether latched, and peaks. */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 enum { OF_LINE = 3 }; /* outputs of each */
 
-/* Room for the numbers of a run that a saved state holds; NULL first to learn how many they are. */
+/* Place the numbers of a run that a saved state contains from `first` on; returns how many they are. first: NULL to
+   compute that alone. */
 static size_t arrange_standing(Assembly *a, double *first) {
     Sequence *s = &a->sequence;
     size_t used = coupling_arrange(&s->coupling, first);
@@ -39,7 +40,7 @@ static size_t arrange_standing(Assembly *a, double *first) {
     return used;
 }
 
-/* Numbers of a run that are in no array, to or from the standing ones. */
+/* Copy the numbers of a run that are in no array to (write) or from `scalars`. */
 static void exchange_scalars(Assembly *a, int write) {
     Sequence *s = &a->sequence;
     double steps = (double)s->steps, rejected = (double)s->rejected;
@@ -59,7 +60,7 @@ static double *snapshot_of(const Assembly *a, size_t number) {
 
 static double time_of(const Assembly *a, size_t number) { return snapshot_of(a, number)[1]; }
 
-/* Keep where the run stands, in place of the oldest. */
+/* Keep the state of the run as a snapshot, in place of the oldest. */
 static void keep_snapshot(Assembly *a) {
     a->newest = (a->newest + 1) % SNAPSHOTS;
     double *place = snapshot_of(a, 0);
@@ -78,7 +79,7 @@ static void keep_snapshot(Assembly *a) {
     if (a->snapshots < SNAPSHOTS) a->snapshots++;
 }
 
-/* Have a participant take what is in force of its parameters. */
+/* Hand the parameters in force to a participant. */
 static void take_parameters(Assembly *a, size_t i) {
     Instance *instance = a->instance[i];
     const double *own = a->in_force + a->first_parameter[i];
@@ -88,7 +89,7 @@ static void take_parameters(Assembly *a, size_t i) {
     instance->prepared = instance->outputs_known = instance->observations_known = 0;
 }
 
-/* Stand where the run stood in a snapshot, those after it being forgotten; 0 where a participant cannot. */
+/* Restore the run from a snapshot and forget later ones; 0 if a participant fails. */
 static int take_snapshot(Assembly *a, size_t number) {
     Coupling *c = &a->sequence.coupling;
     const double *place = snapshot_of(a, number) + 2;
@@ -114,7 +115,7 @@ static int take_snapshot(Assembly *a, size_t number) {
     return network_save(&c->network) && coupling_stand(c);
 }
 
-/* What a peak is the largest of, in a sum of weighted rows of a ring that follow one another. */
+/* The value whose largest one is a peak, of a weighted sum of consecutive rows of the ring. */
 static double weighted_load(const Assembly *a, const Peak *peak, const double *rows, const double *weights, size_t count) {
     double square = 0.0, sum = 0.0;
     for (size_t k = 0; k < peak->count; k++) {
@@ -132,8 +133,8 @@ static double load_of(const Assembly *a, const Peak *peak, size_t row) {
     return weighted_load(a, peak, a->ring + row * a->row_size, &whole, 1);
 }
 
-/* By how much a cubic, s (slope + s (bend + s third)) from v[1] on, misses a sample beside its four, over the product of
-   the distances to these. */
+/* By how much a cubic, s (slope + s (bend + s third)) from v[1] on, misses a fifth sample, `beside`, over the product
+   of the distances of this sample to the other four. */
 static double miss_of(const double *t, const double *v, const double *cubic, ptrdiff_t beside) {
     const double s = t[beside] - t[1];
     double distances = 1.0;
@@ -141,9 +142,10 @@ static double miss_of(const double *t, const double *v, const double *cubic, ptr
     return fabs((v[1] + s * (cubic[0] + s * (cubic[1] + s * cubic[2])) - v[beside]) / distances);
 }
 
-/* Crest of the cubic through four of the last rows, the last one not among them, where the third of the four is highest;
-   otherwise that one. A crest counts that rises by more than what the cubic may be off by, as it misses the rows on
-   either side: rows do not resolve all ringing, and loads have kinks. What results/signal.py does. */
+/* Crest of the cubic through four of the last rows, without the very last, if the third of the four is the highest;
+   otherwise the value there. A crest counts if it rises by more than the possible error of the cubic, estimated by its
+   misses at the rows on either side: rows do not resolve all ringing, and loads have kinks. results/signal.py does the
+   same. */
 static double crest(const double *times, const double *values, size_t count) {
     const double *t = times + count - 4, *v = values + count - 4;
     if (!(v[1] > v[0] && v[1] >= v[2])) return v[1];
@@ -161,7 +163,7 @@ static double crest(const double *times, const double *values, size_t count) {
     return rise > CREST_SURE * miss * fabs(s * (s - a) * (s - b) * (s - c)) ? v[1] + rise : v[1];
 }
 
-/* Largest sizes of loads up to a row of the ring, between rows as well where they are smooth. */
+/* Update peaks by a row of the ring, and by crests between rows where loads are smooth. */
 static void note_peaks(Assembly *a, size_t row) {
     const double *ring = a->ring, segment = ring[row * a->row_size + 1];
     size_t count = 1;
@@ -178,7 +180,7 @@ static void note_peaks(Assembly *a, size_t row) {
     a->peak_time = ring[row * a->row_size];
 }
 
-/* Take a row into the ring; peaks are those up to the communication point. */
+/* Add a row to the ring; peaks are those up to the communication point. */
 static void take_row(void *taker, double time, double segment, const double *values) {
     Assembly *a = taker;
     if (a->rows == RING) {
@@ -200,7 +202,7 @@ static int set_parameter(void *taker, size_t participant, size_t place, double v
     return instance_save(instance, a->saved + participant) <= STATUS_WARNING;
 }
 
-/* Why it cannot go on; 0. */
+/* State why the run cannot go on; 0. */
 static int refuse_run(Assembly *a, Reason *why) {
     const Coupling *c = &a->sequence.coupling;
     const Progress *p = &c->progress;
@@ -212,7 +214,7 @@ static int refuse_run(Assembly *a, Reason *why) {
     return refuse(why, "%s", a->said[0] ? a->said : "the run cannot go on");
 }
 
-/* One turn; what it leads to is kept where it leads on. */
+/* Make one turn, and keep a snapshot where the run has gone on. */
 static int go_further(Assembly *a) {
     Sequence *s = &a->sequence;
     const size_t steps = s->steps, happened = s->happened, rejected = s->rejected;
@@ -232,7 +234,7 @@ static int met_event(const Assembly *a, double time) {
     return at > a->time + TIME_ROUNDING && at <= time + TIME_ROUNDING;
 }
 
-/* Let all happen that is due at the same instant as an event. */
+/* Let all events act that are due at the same instant as another. */
 static int end_event(Assembly *a) {
     int fine = 1;
     while (fine && due_event(&a->sequence)) fine = go_further(a);
@@ -258,7 +260,7 @@ static int run_past(Assembly *a, double time, int to_event) {
     return fine;
 }
 
-/* Participants out of initialization, bodies before what is connected to them. */
+/* Initialise participants, bodies before what is connected to them. */
 static int initialize_participants(Assembly *a) {
     Network *n = &a->sequence.coupling.network;
     for (size_t i = 0; i < n->participants; i++) {
@@ -315,8 +317,8 @@ static void sections_of(const Assembly *a, Section *sections) {
     memcpy(sections, all, sizeof all);
 }
 
-/* Write a state down. What the run has come to is there already where nothing but the time has gone on: a component has
-   room for two states, and fills one after the other. */
+/* Write a state. What the run has reached is there already where only time has gone on: a component has room for two
+   states and fills them in turn. */
 static void store(Assembly *a, double *x) {
     Section section[SECTIONS];
     const int has_run = x[AT_RUN] == a->run_serial;
@@ -345,7 +347,7 @@ static void store(Assembly *a, double *x) {
     a->stands = 1;
 }
 
-/* Stand where a state was written down, unless that is where all stands. */
+/* Restore a state, unless it is the present one. */
 static int stand(Assembly *a, const double *x) {
     Section section[SECTIONS];
     if (a->stands && x[AT_SERIAL] == a->serial) return 1;
@@ -359,7 +361,7 @@ static int stand(Assembly *a, const double *x) {
     a->longest_step = x[AT_LONGEST];
     a->at_event = (int)x[AT_EVENT];
     a->newest = (size_t)x[AT_NEWEST];
-    a->run_serial = a->last_run = fmax(a->last_run, x[AT_RUN]) + 1.0; /* no other state has this number */
+    a->run_serial = a->last_run = fmax(a->last_run, x[AT_RUN]) + 1.0; /* a number that no other state has */
     a->snapshots = (size_t)x[AT_SNAPSHOTS];
     a->rows = (size_t)x[AT_ROWS];
     a->peak_time = x[AT_PEAK_TIME];
@@ -374,7 +376,7 @@ static void destroy(void *self) {
     }
 }
 
-/* All of an assembly; 0 and a sentence where its data are unusable. */
+/* Create all of an assembly; 0 and a sentence where its data are unusable. */
 static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     Sequence *s = &a->sequence;
     s->taker = a;
@@ -416,8 +418,8 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     return NULL;
 }
 
-/* Every component checks its own; they take them where the run comes to it. How a driven base takes its rates and the
-   tolerance come last. */
+/* Let every component check its own parameters; components receive them when the run reaches them. How a driven base
+   follows its rates, and the tolerance, come last. */
 static int prepare(void *self, const double *p, Reason *why) {
     Assembly *a = self;
     for (size_t i = 0; i < a->participants; i++) {
@@ -454,7 +456,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->in_force, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->inputs, u, a->inputs_count * sizeof(double));
-    memset(a->inputs, 0, a->commands * sizeof(double)); /* those that are given act at the first communication point */
+    memset(a->inputs, 0, a->commands * sizeof(double)); /* commands at the start act at the first communication point */
     a->driven_step = a->longest_step = 0.0;
     a->at_event = NO_EVENT;
     a->run_serial = ++a->last_run;
@@ -468,7 +470,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
-/* Stand at the communication point itself; at an event the run does. */
+/* Return to the communication point; at an event the run is there. */
 static int go_back(Assembly *a) {
     size_t number = 0;
     if (a->at_event) return 1;
@@ -476,14 +478,15 @@ static int go_back(Assembly *a) {
     return (number == 0 || take_snapshot(a, number)) && run_to(a, a->time, 0);
 }
 
-/* What acts of a parameter from the communication point on: what the host has changed it to since it last acted, or what
-   is in force, which an event may have set. A step that repeats another one differs from it by as much as the host's. */
+/* Value of a parameter from the communication point on: that of the host where it has changed since it last acted,
+   otherwise the one in force, which an event may have set. In a repeated step it differs from that of the noted step by
+   as much as the host's does. */
 static double acting(const Assembly *a, size_t at) {
     const double before = a->noted.mode == REPEATS_STEPS ? a->noted.wanted[at] : a->wanted[at];
     return (before != a->applied[at] ? before : a->in_force[at]) + (a->wanted[at] - before);
 }
 
-/* Go back to the communication point and let what the host has changed act there. */
+/* Return to the communication point and let changes of the host act there. */
 static int change(Assembly *a, const double *u) {
     Sequence *s = &a->sequence;
     Network *n = &s->coupling.network;
@@ -510,7 +513,7 @@ static int change(Assembly *a, const double *u) {
     return 1;
 }
 
-/* Peaks up to a communication point that rows went beyond before. */
+/* Update peaks up to a communication point that rows have passed before. */
 static void catch_up_peaks(Assembly *a, double time) {
     a->target = time;
     for (size_t i = 0; i < a->rows; i++) {
@@ -526,10 +529,10 @@ static int is_driven(const Assembly *a, const double *u) {
     return 0;
 }
 
-/* How fast a driven base changes its accelerations over a step h (s): to those that the host's lead to expect at its end,
-   from now and the step before, and a part of what the rates lack, which then dies out by half in every step as long as
-   the longest so far: over shorter ones, which may come in any order, no faster, as a large acceleration in a short step
-   would be far too much in a long one after it. A host that gives no accelerations has them taken from its rates. */
+/* Set how fast a driven base changes its accelerations over a step h (s): to those at its end that the host's present
+   and earlier ones extrapolate to, plus a part of the missing rates. This part decays by half in each step as long as
+   the longest so far, and no faster over shorter ones, as a large acceleration in a short step would be far too large
+   in a long one after it. Without accelerations of the host they follow from its rates. */
 static void drive(Assembly *a, const double *u, double h) {
     const DrivenFrame *d = &a->driven;
     const SavedState *saved = a->saved[d->participant];
@@ -551,7 +554,7 @@ static void drive(Assembly *a, const double *u, double h) {
     }
 }
 
-/* Give a driven base the constant accelerations that lead to the rates at the end of a step h (s), from now on. */
+/* Set the constant accelerations of a driven base that lead to the given rates at the end of a step h (s). */
 static void drive_to_rates(Assembly *a, const double *u, double h) {
     const DrivenFrame *d = &a->driven;
     SavedState *saved = a->saved[d->participant];
@@ -563,14 +566,14 @@ static void drive_to_rates(Assembly *a, const double *u, double h) {
     }
 }
 
-/* Step to the next communication point exactly, or through an event before it, with the base driven to it; rows end
+/* Step exactly to the next communication point, or through an event before it, with the base driven to it; rows end
    there. */
 static int run_driven(Assembly *a, const double *u, double h, int to_event) {
     Coupling *c = &a->sequence.coupling;
     if (!go_back(a)) return 0;
     if (a->meets_rates) drive_to_rates(a, u, h);
     else drive(a, u, h);
-    history_clear(&c->network); /* loads of other accelerations tell nothing of those to come */
+    history_clear(&c->network); /* loads under other accelerations do not predict the next ones */
     coupling_begin_segment(c);
     if (!run_to(a, a->time + h, to_event)) return 0;
     rows_release(&c->rows);
@@ -588,8 +591,8 @@ static int has_changed(const Assembly *a, const double *u) {
     return a->noted.acts || memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0;
 }
 
-/* Whether a communication step (s) from a state comes to its end soon enough: nothing can interrupt it, and each step
-   inside has to move time on. */
+/* Whether a communication step (s) from a state ends soon enough: nothing can interrupt it, and each step inside has to
+   advance the time. */
 static int is_made_soon(const Assembly *a, const double *x, double h, Reason *why) {
     const StepSizes *sizes = &a->sequence.coupling.sizes;
     const double end = x[AT_TIME] + h;
@@ -603,7 +606,7 @@ static int is_made_soon(const Assembly *a, const double *x, double h, Reason *wh
     return 1;
 }
 
-/* Stand where a state was written down, and let what the host has changed act there. */
+/* Restore a state, and let changes of the host act there. */
 static int begin(Assembly *a, const double *x, const double *u) {
     a->said[0] = '\0';
     a->sequence.coupling.progress.failure = NO_FAILURE;
@@ -612,7 +615,7 @@ static int begin(Assembly *a, const double *x, const double *u) {
     return !has_changed(a, u) || change(a, u);
 }
 
-/* Run from the communication point over a step, or through the first event inside of it (to_event). */
+/* Run from the communication point over a step, or through the first event in it (to_event). */
 static int run_on(Assembly *a, const double *u, double h, int to_event) {
     catch_up_peaks(a, a->time + h);
     const int fine = is_driven(a, u) ? run_driven(a, u, h, to_event) : run_past(a, a->time + h, to_event);
@@ -642,7 +645,7 @@ static int step_to_event(void *self, const double *x, const double *u, double *h
     return 1;
 }
 
-/* A step that no event ends, as it is noted or repeated. */
+/* Make a step that is noted or repeated, which no event may end. */
 static int make_alike(Assembly *a, const double *x, const double *u, double h) {
     a->stands = 0;
     if (!begin(a, x, u) || !run_on(a, u, h, 0)) return 0;
@@ -685,8 +688,7 @@ static int step_alike(void *self, const double *x, const double *u, double h, in
     return refuse_run(a, why);
 }
 
-/* What is read at an event is from now on what came out of it; what the host has changed acts. A step says what cannot
-   be. */
+/* Values at an event are from now on those after it, and changes of the host act. The next step reports failures. */
 static void event(void *self, const double *x, const double *u, int due, double *x_next) {
     Assembly *a = self;
     const int acts = stand(a, x) && (due || has_changed(a, u));
@@ -707,7 +709,8 @@ static const double *newest_of(const Assembly *a, const double *x) {
     return ring_of(a, x) + RING * a->row_size + (size_t)x[AT_NEWEST] * a->snapshot_size;
 }
 
-/* Weights of up to four rows at the time of a state, and the first of them: a polynomial through those of one segment. */
+/* Weights of up to four rows at the time of a state: a polynomial through rows of one segment; first: the first of
+   them. */
 static size_t weigh_rows(const Assembly *a, const double *x, double *weights, const double **first) {
     const double *ring = ring_of(a, x), time = x[AT_TIME];
     const size_t rows = (size_t)x[AT_ROWS];
@@ -734,7 +737,7 @@ static size_t weigh_rows(const Assembly *a, const double *x, double *weights, co
     return count;
 }
 
-/* The last row of some that is not after the time of a state, or the first. */
+/* The last of some rows that is not after the time of a state, or the first. */
 static const double *row_before(const Assembly *a, const double *x, const double *first, size_t count) {
     size_t last = count - 1;
     while (last > 0 && first[last * a->row_size] > x[AT_TIME]) last--;
@@ -754,7 +757,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     for (size_t i = 0; i < a->flags; i++) z[a->flag[i]] = before[2 + a->flag[i]];
 }
 
-/* Whether a line that latches at a time, negative for never, has done so at the communication point. */
+/* Whether a line that latches at a time (s), negative for never, has done so at the communication point. */
 static int has_latched(const double *x, double latch_time) {
     if (x[AT_EVENT] == AFTER_EVENT) return latch_time >= 0.0;
     return latch_time >= 0.0 && (latch_time < x[AT_TIME] || (latch_time == x[AT_TIME] && x[AT_EVENT] == NO_EVENT));
@@ -782,12 +785,13 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
         *y++ = is_latched ? standing[s->latch_rate + k - a->standing] : 0.0;
         *y++ = is_latched;
     }
-    /* what stands at the communication point itself is between two rows */
+    /* the value at the communication point itself lies between two rows */
     for (size_t i = 0; i < a->peak_count; i++)
         y[i] = fmax(peaks[i], weighted_load(a, a->peak + i, first, weights, count));
 }
 
-/* What follows depends on the state alone: those who saved it come to the same as those who go on from it. */
+/* Let what follows depend on the state alone, so that runs that saved it and runs that restore it have the same
+   results. */
 static void settle(void *self) {
     Assembly *a = self;
     a->stands = 0;

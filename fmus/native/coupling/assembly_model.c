@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The sentence of a participant that failed last. */
+/* Keep the sentence of the participant that failed last. */
 static void note_sentence(void *host, Status status, const char *sentence) {
     Assembly *a = host;
     if (status > STATUS_WARNING) snprintf(a->said, sizeof a->said, "%s", sentence);
@@ -41,7 +41,7 @@ static const unsigned *references_from(size_t first, size_t count, Memory *memor
     return found;
 }
 
-/* One participant: its instance, and how it is called. */
+/* Create one participant: its instance, and its functions. */
 static int create_instance(Assembly *a, const Data *data, size_t i, Participant *p, Memory *memory, Reason *why) {
     char entry[40];
     size_t size = 0;
@@ -78,7 +78,7 @@ static int create_instance(Assembly *a, const Data *data, size_t i, Participant 
     return 1;
 }
 
-/* All participants, and the coupling of them. */
+/* Create all participants and their coupling. */
 static int create_participants(Assembly *a, const Data *data, Memory *memory, Reason *why) {
     const double *sizes = data_array(data, "network", 4, why);
     if (!sizes || !(sizes[0] >= 0.0 && sizes[0] < 1e6)) return refuse(why, "the tables of the network are damaged");
@@ -103,8 +103,8 @@ static int create_participants(Assembly *a, const Data *data, Memory *memory, Re
     return coupling_create(&a->sequence.coupling, data, participants, count, ROOM, memory, why);
 }
 
-/* Events: the condition's number or 0, releases, latches, settings; then the releases, latches and settings. Beside them
-   times and values. */
+/* Create events: number of the condition or 0, how many releases, latches, settings; then these. Times and values are
+   in a table of their own. */
 static int create_events(Assembly *a, const Data *data, Memory *memory, Reason *why) {
     Sequence *s = &a->sequence;
     Coupling *c = &s->coupling;
@@ -150,7 +150,7 @@ static int create_events(Assembly *a, const Data *data, Memory *memory, Reason *
     return 1;
 }
 
-/* Whether a driven frame has all its places; its inputs come behind the commands. */
+/* Whether a driven base has all its places; its inputs follow the commands. */
 static int drives(const Assembly *a, const Sizes *sizes) {
     const DrivenFrame *d = &a->driven;
     if (d->participant >= a->participants || sizes->inputs < DRIVES || d->first != sizes->inputs - DRIVES) return 0;
@@ -161,7 +161,7 @@ static int drives(const Assembly *a, const Sizes *sizes) {
     return fit;
 }
 
-/* Commands from outside, in the order of the inputs: kind (1: releases), participant and place, or line. */
+/* Create commands of the host, in the order of the inputs: kind (1: releases), participant and place, or line. */
 static int create_commands(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     const size_t *driven = counted_numbers(data, "driven", 8, memory, why);
     if (!driven) return 0;
@@ -182,7 +182,7 @@ static int create_commands(Assembly *a, const Data *data, const Sizes *sizes, Me
     return 1;
 }
 
-/* Peaks: how many; then of each whether it is a sum, how many numbers, and their places. */
+/* Create peaks: how many; of each whether it is a sum, how many numbers, and their places. */
 static int create_peaks(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     Reader r = {NULL, 0};
     r.numbers = whole_numbers(data, "peaks", &r.left, memory, why);
@@ -200,7 +200,7 @@ static int create_peaks(Assembly *a, const Data *data, const Sizes *sizes, Memor
     return 1;
 }
 
-/* Which of what is recorded are flags, and room for a row. */
+/* Read which recorded values are flags, and the size of a row. */
 static int create_rows(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     const Rows *r = &a->sequence.coupling.rows;
     a->flag = whole_numbers(data, "flags", &a->flags, memory, why);
@@ -226,7 +226,7 @@ static const char **texts_of(const Data *data, const char *group, size_t count, 
     return found;
 }
 
-/* Where a scene with preload starts from. */
+/* Read the state from which a scene with preload starts. */
 static int read_rest(Assembly *a, const Data *data, Reason *why) {
     Reason absent;
     size_t count = 0;

@@ -1,5 +1,5 @@
-/* An assembly of components with its master as one component: its structures, from data that orchestrator/run/as_one
-   writes. Nothing in them is trusted where it is an index. */
+/* A scene as one component: its structures, from data that orchestrator/run/as_one writes. Every index in them is
+   checked. */
 
 #ifndef FANFOLD_ASSEMBLY_MODEL_H
 #define FANFOLD_ASSEMBLY_MODEL_H
@@ -20,30 +20,31 @@ typedef struct {
     Place release;
 } Command;
 
-/* Rates and accelerations of a driven base: its participant, the place of the rates of its accelerations among the inputs
-   of that and of the others in the state, and of the DRIVES numbers among the assembly's inputs. */
+/* A driven base: its participant; place of the rates of its accelerations among that participant's inputs (change);
+   places of its rates and accelerations in that participant's state; first of the DRIVES numbers among the assembly's
+   inputs. */
 typedef struct {
     size_t is_there, participant, change, rate[2], acceleration[2], first;
 } DrivenFrame;
 
 enum { BASE_RATES = 6, DRIVES = 12 };
 
-/* Of a load's peak: where its numbers stand among what is recorded, and whether they add up or are components. */
+/* The peak of a load: places of its numbers among what is recorded, and whether they are summands or components. */
 typedef struct {
     size_t is_sum, count;
     const size_t *place;
 } Peak;
 
-/* first_parameter, first_input: by participant, among those of all. Numbers of a run that a saved state holds lie in one
-   array `standing`, but for the states and inputs of participants. Parameters: those that the host has set last
-   (wanted), those of them that the run knows of (applied), and those that participants have (in_force). A run starts from the states, inputs and wrenches at rest, where the scene has a
-   preload; otherwise these are NULL.
+/* first_parameter, first_input: by participant, among those of all. standing: all numbers of a run that a saved state
+   contains, except states and inputs of participants. Parameters: those that the host has set last (wanted), those of
+   them that the run has accepted (applied), and those of the participants (in_force). A scene with preload starts from
+   the states, inputs and wrenches at rest; without, these are NULL.
 
    A component's state: OUTER numbers, see below, applied parameters, inputs, peaks, rows of the ring (time, segment,
-   recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. `stands` tells whether all
-   this is that of the state numbered `serial`; run_serial numbers what the run itself has come to. driven_step,
-   longest_step (s): the last one that the base was driven over, and the longest, 0 before. meets_rates: whether the base
-   has the rates given to it at a step's end. */
+   recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. stands: whether all this is that
+   of the state numbered `serial`; run_serial: number of what the run itself has reached. driven_step, longest_step (s):
+   the last step that the base was driven over, and the longest, 0 before. meets_rates: whether the base has the given
+   rates at the end of a step. */
 typedef struct {
     Sequence sequence;
     Instance **instance;
@@ -68,12 +69,12 @@ typedef struct {
 
 /* Numbers that come first in a state. */
 enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_LONGEST, AT_STEPS, AT_REJECTED, AT_EVENT, OUTER };
-/* Whether a communication point is an event, which the run has gone through without going on; what is read there is what
-   was before the event or what came out of it. */
+/* Whether a communication point is an event that the run has gone through without going on. Values there are those
+   before the event or those after it. */
 enum { NO_EVENT, BEFORE_EVENT, AFTER_EVENT };
 
 
-/* All that follows from the data; 0 and a sentence where they are unusable. */
+/* Create all that follows from the data; 0 and a sentence where they are unusable. */
 int assembly_furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why);
 
 #ifdef __GNUC__

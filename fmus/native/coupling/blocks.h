@@ -8,13 +8,13 @@
 #define FANFOLD_BLOCKS_H
 
 #include <stddef.h>
-#include <string.h> /* tells, too, whether this is the GNU C library */
+#include <string.h> /* also defines __GLIBC__ */
 
 #ifdef __GNUC__
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* Loops that pay it are compiled for processors with fused multiply-add as well, with all that is INLINE in them;
+/* Loops that gain by it are compiled for processors with fused multiply-add as well, with all INLINE functions in them;
    glibc chooses at load time. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
 #define VECTORISED __attribute__((target_clones("fma", "default")))

@@ -43,16 +43,16 @@ int is_credible(const Network *n) {
     return largest_of(n->residual, n->size, &row) <= CREDIBLE * wrench;
 }
 
-/* Whether residuals are as small as the accuracy asked of the recorded loads, or as rounding lets them be.
+/* Whether residuals are as small as recorded loads require, or as rounding allows.
 
-   A stiff joint turns a small correction into a residual that is large beside it. */
+   A stiff joint turns a small correction into a large residual. */
 static int agrees(const Network *n) {
     for (size_t i = 0; i < n->size; i++)
         if (!(fabs(n->residual[i]) <= fmax(AGREED * n->scale[i], n->round_off[i]))) return 0;
     return 1;
 }
 
-/* Whether all corrections to come, which shrink like the last, add up to less than 1: slow ones may not. */
+/* Whether all corrections to come, if they shrink like the last one, add up to less than 1; slow ones may not. */
 static int leaves_little(const Network *n) {
     return n->last == 0.0 || n->correction <= 1.0 - n->correction / n->last;
 }

@@ -9,38 +9,39 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-#define SLOW 0.15          /* contraction beyond which turning of matrices pays; probing costs several iterations */
+#define SLOW 0.15          /* contraction above which turned matrices pay; new ones cost several iterations */
 #define DIVERGED 50.0
 #define STEEPEST 0.9
-#define NEAR 1e-2          /* largest relative correction of wrenches that are near a solution; beyond it they may be absurd */
-#define CREDIBLE 1e12      /* largest residual over wrench at a solution; stiff joints leave up to 1e5, absurd motions 1e30 */
+#define NEAR 1e-2          /* largest relative correction near a solution; beyond it wrenches may be absurd */
+#define CREDIBLE 1e12      /* largest residual over wrench at a solution: stiff joints 1e5, absurd motions 1e30 */
 #define AGREED 300.0       /* largest residual over the tolerance of a correction that needs no further sweep */
-#define OVERSHOT 0.5       /* part of the step before, and cosine against it, from which a correction takes it back */
-#define ROUGH_STEP 1e-5    /* least relative correction that takes one back; smaller ones may be round-off of laws and joints */
+#define OVERSHOT 0.5       /* share of the last step, and cosine against it, from which a correction reverses it */
+#define ROUGH_STEP 1e-5    /* least relative correction that reverses a step; smaller ones may be round-off */
 enum {
     MOST_ITERATIONS = 14,
-    MOST_HALVINGS = 24, /* of an iteration's steps: a way of a radian comes down to where friction of 1e-7 rad sticks */
-    PATIENCE = 8        /* steps with slow contraction, though fast enough, after which probing pays for those to come */
+    MOST_HALVINGS = 24, /* in one iteration: from a radian down to 1e-7 rad, where friction sticks */
+    PATIENCE = 8        /* slow but sufficient contractions after which new matrices pay for steps to come */
 };
 
-/* What a correction of 1 means for every row, for wrenches of the size of `wrenches + change`. */
+/* Set the unit of a correction in every row, for wrenches of the size of `wrenches + change`. */
 void set_scale(Network *n, const double *change);
 /* Largest component and its row; infinite where one is not finite. */
 double largest_of(const double *values, size_t size, size_t *row);
-/* Whether the correction is small enough for the wrenches to be those of a solution nearby. */
+/* Whether the correction is so small that a solution is near. */
 int is_near(const Network *n);
-/* Whether residuals are rounding: of motions times stiffness, and of the largest wrench itself, or as small as is asked. */
+/* Whether residuals are round-off, of motions times stiffness or of the largest wrench, or below `tolerance.residual`.
+   */
 int is_within_round_off(const Network *n);
-/* Whether wrenches like these can leave this residual; matrices of a motion gone astray correct nothing. */
+/* Whether wrenches of this size can leave this residual; matrices of absurd motions correct nothing. */
 int is_credible(const Network *n);
-/* Whether a small correction needs no further sweep. */
+/* Whether a correction below 1 needs no further sweep. */
 int is_enough(const Network *n);
-/* Whether the present contraction does not get there in the iterations that are left. */
+/* Whether the present contraction is too slow for the iterations that are left. */
 int is_too_slow(const Network *n);
-/* Whether a correction (size,), larger than round-off, takes back the step before without being smaller.
+/* Whether a correction (size,) takes back the step before without being smaller.
 
-   Newton's method goes to and fro for ever between two branches of a law that bends within its steps, as friction does that
-   slides on one side of where it sticks and on the other. */
+   Newton's method alternates for ever between two branches of a law that bends within its steps, as friction does
+   between sticking and sliding. */
 int overshoots(const Network *n, const double *step);
 
 #ifdef __GNUC__

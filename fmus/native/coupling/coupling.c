@@ -1,4 +1,4 @@
-/* Where participants under way stand: their start, how far they are from what may happen, and their state as numbers. */
+/* The state of a coupling: its start, the distances of what may happen, and all numbers to save. */
 
 #include "coupling.h"
 
@@ -8,17 +8,17 @@
 #include "convergence.h"
 #include "prediction.h"
 
-/* What follows from the tolerance, in the order of `by_tolerance` in orchestrator/cosim/tables.py: the largest, smallest and
-   first steps (s) of the scene, the share of it that iterations leave, at least and at most. */
+/* The order of `by_tolerance` in orchestrator/cosim/tables.py: largest, smallest and first step (s) of the scene,
+   tolerance of iterations over that of the run, and bounds of the former. */
 enum { LARGEST_STEP, SMALLEST_STEP, START_STEP, ITERATED, LEAST_ITERATED, MOST_ITERATED };
-/* Below it, sizes of steps and the allowed error go with higher powers of the tolerance, and that of rotations with the
-   square of a step; above it, at order 4, steps resolve less ringing, and the allowed error falls behind by a power. */
+/* Below it, step sizes are proportional to the root of the tolerance, as the error of rotations is to the square of a
+   step. Above it, at order 4, larger steps resolve less ringing, so that the allowed error grows more slowly. */
 #define REFERENCE_TOLERANCE 1e-4
 #define LOOSE 0.25
 #define ALLOWED_SHARE (12.0 * 0.0025)
 
-/* Error of a step that a run with a tolerance may make: to the power (n + 1) / n below the reference, so that errors, which
-   go with h^n where those of a step go with h^(n + 1), follow the tolerance. */
+/* Allowed error of a step. Errors of a run are proportional to h^n, those of a step to h^(n + 1): below the reference
+   the allowed one is proportional to tolerance^((n + 1) / n), so that errors of the run follow the tolerance. */
 static double allowed_error(double tolerance, size_t order) {
     const double ratio = tolerance / REFERENCE_TOLERANCE, loose = order == 4 ? LOOSE : 0.0;
     return ALLOWED_SHARE * tolerance * pow(ratio, ratio < 1.0 ? 1.0 / (double)order : -loose);
@@ -130,7 +130,7 @@ void coupling_exchange_scalars(Coupling *c, int write) {
     c->network.watched = c->watched;
 }
 
-/* Loads that may be watched. */
+/* Most loads that can be watched. */
 static size_t most_watched(const Coupling *c) {
     size_t most = MOST_STRUCK * c->strikes;
     for (size_t k = 0; k < c->lines; k++) most += c->line[k].hinges;

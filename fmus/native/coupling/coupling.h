@@ -1,7 +1,8 @@
-/* Participants under way: where they stand, what may happen to them within a step, and what events make of them.
+/* The coupling of participants during a run: its state, the steps that it makes, and what events change.
 
-   What happens when is decided elsewhere, by orchestrator/cosim/master.py and, inside of one FMU of a scene, by sequence.c.
-   Both call the functions here. Those that can fail return 0 where a participant or a step does; `failure` tells which. */
+   The order of events is decided elsewhere: by orchestrator/cosim/master.py and, in one FMU of a scene, by sequence.c.
+   Both call the functions here. A function that can fail returns 0 if a participant or a step fails; `progress.failure`
+   says which. */
 
 #ifndef FANFOLD_COUPLING_H
 #define FANFOLD_COUPLING_H
@@ -14,20 +15,21 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* An input or parameter of a participant. */
+/* An input, an output or a parameter of a participant, by numbers. */
 typedef struct {
     size_t participant, place;
 } Place;
 
-/* A distance that falls through zero where a line latches or a condition holds: (value - *place) / scale. before: what was
-   left of it after the last accepted step; rate: at which it fell over that. */
+/* A distance that falls through zero where a line latches or a condition is met: (value - *place) / scale. before: its
+   value after the last accepted step; rate: its decrease per second in that step. */
 typedef struct {
     const double *place;
     double value, scale, before, rate;
 } Crossing;
 
-/* hinge: its participants; is_kinematic: latched by an impulse. Numbers that are part of a saved state: sensor (which of the
-   hinges), released (hinges,), stiffened. */
+/* A hinge line with a latch. hinge (hinges,): numbers of its participants; is_kinematic: whether an impulse latches it.
+   Part of a saved state: sensor, the index of the hinge whose angle counts; released (hinges,), whether each hinge was
+   released; stiffened, what the latch makes stiff. */
 typedef struct {
     size_t hinges, is_kinematic;
     const size_t *hinge;
@@ -35,8 +37,9 @@ typedef struct {
     StiffenedLine *stiffened;
 } HingeLine;
 
-/* A stop or contact: its participant, where its penetration is observed, and that after the last accepted step. Numbers that
-   are part of a saved state: waits (whether nothing has struck it), struck (with all that was struck with it). */
+/* A stop or contact. participant: its number; place: its penetration among the observations; before: that after the
+   last accepted step. Part of a saved state: waits, 1 until something strikes it; struck, this one and all that were
+   struck in the same step. */
 typedef struct {
     size_t participant;
     const double *place;
@@ -44,18 +47,21 @@ typedef struct {
     StiffenedLine *struck;
 } Strike;
 
-enum { MOST_STRUCK = 8 }; /* stops and contacts that are judged together */
+enum { MOST_STRUCK = 8 }; /* stops and contacts struck in one step whose loads are judged */
 
-/* Why something could not be done: nothing, what a participant said, or that no step size converges. */
+/* Why a function failed: not at all, because a participant refused a call, or because no step size converges. */
 enum { NO_FAILURE, OF_PARTICIPANT, OF_STEP };
 
-/* crossing (crossings,): one a line, `lines` of them, then one a condition; pending (crossings,): whether it is waited for;
-   reached, passed (crossings,): what fell through zero at the end of the last step, or in the last impulse. command places:
-   impulse (impulses,), latch_command and latch_distance by participant, where it has them. law (laws,): times to breaks, the
-   first of them, bolts, of hold-downs; law_time, release_time (s): of the next break and of the next that is a release.
-   steps (room of rows,): sizes made since the last `coupling_advance`. position: steps of the segment. stalled: correction, over the largest wrench, that may be left;
-   repeats: whether steps stand that are made as others were. untold: whether the row of an instant is still to come. slopes
-   (2, most_hinges), room (3, most_hinges, most_hinges): to work in, as there may be hinges on a line or stops struck at once. */
+/* All of a coupling. crossing (crossings,): the first `lines` of them belong to hinge lines, the others to conditions.
+   pending, reached, passed (crossings,): whether one is waited for, fell through zero at the end of the last step, or
+   did so in the last impulse. impulse (impulses,): inputs that command an impulse. latch_command, latch_distance
+   (participants,): places of this input and this output of hinges. law (laws,): outputs with the time to the next
+   break, the first `bolts` of them those of hold-downs. law_time, release_time (s): of the next break, and of the next
+   release of a hold-down. steps (rows.room,): sizes (s) of the steps since `coupling_advance` was called. position:
+   number of steps in the present segment. stalled: correction over the largest wrench that an iteration may leave.
+   repeats: whether steps are accepted without judgement, as they repeat others. untold: whether the row of the present
+   instant is still to be written. slopes (2, most_hinges), room (3, most_hinges, most_hinges): work space for as many
+   hinges as a line has, or stops that are struck at once. */
 typedef struct {
     Network network;
     Solver solver;
@@ -80,78 +86,88 @@ typedef struct {
     size_t lines, crossings, strikes, impulses, laws, bolts, position, repeats, untold, most_hinges;
 } Coupling;
 
-/* What follows from a tolerance: of steps, of iterations, and of errors. */
+/* Set what follows from a tolerance: step sizes, and errors that iterations and steps may leave. */
 void coupling_take_tolerance(Coupling *c, double tolerance);
 
-/* Stand at t = 0 with participants that are initialised and hold their first outputs; `accepted` are the wrenches there.
-   What they observe there is where energies count from. */
+/* Begin at t = 0 with initialised participants whose outputs have been read; `accepted` contains the wrenches there.
+   Energies count from what participants observe there. */
 int coupling_start(Coupling *c);
-/* After what else acts at t = 0: the row there, with loads just after it, and a state to step from. */
+/* Write the first row, with loads just after t = 0, and save the state to step from. Call it after all that acts at t =
+   0. */
 int coupling_record_start(Coupling *c);
 
-/* Why `coupling_advance` came back: to report, or as there is no room for more rows; an accepted step ended where something
-   is `reached`, or at a break of a law; a planned step has to be divided, for its error or to converge; or it failed. */
+/* Why `coupling_advance` returns. PAUSED: to report, or because there is no room for more rows. REACHED: an accepted
+   step ended where a line or a condition is met. BROKE: it ended at a break of a law. TOO_LONG, UNSOLVED: a planned
+   step has to be divided, as it leaves the energy balance open or does not converge. STOPPED_SHORT: no step can be
+   made. */
 enum { PAUSED, REACHED, BROKE, TOO_LONG, UNSOLVED, STOPPED_SHORT };
-/* Steps until one of these; lines and conditions are met exactly. */
+/* Make steps until one of these. Steps end exactly where a line or a condition is met. */
 int coupling_advance(Coupling *c);
-/* Let pass what a planned step leaves open of the balance of energy. */
+/* Let jumps of the energy balance pass that are as large as the one of the last planned step. */
 void coupling_give_in(Coupling *c);
 
-/* Note how far all is from what may happen, and when the next break is. */
+/* Note the distances of lines, conditions and stops, and the times of the next breaks. */
 void coupling_watch(Coupling *c);
-/* The present states are those to return to. */
+/* Save the states of all participants; steps return to them. */
 int coupling_save(Coupling *c);
 
-/* Before an event acts, an instant on: what loads of an instant are off those that steps tell, so that `coupling_record_jump`
-   tells what the event makes of them, and no more. after (s): the instant. */
+/* Before an event: solve a step of `after` (s), in which nothing moves, and note by how much its loads differ from
+   those of the steps. `coupling_record_jump` then shows the change by the event alone. */
 int coupling_note_roughness(Coupling *c, double after);
-/* A row with what an event makes of loads, from a step too short for motion, which is then taken back; others: whether others
-   are to act at this instant, to the last of which the row is left: what is between them lasts no time. Matrices of bodies are
-   kept where `keeps_bodies`. solved in `progress` tells whether the step could be solved. */
+/* After an event: write a row with the loads just after it, from a step of `after` (s), in which nothing moves and
+   which is then taken back. others: whether more is to act at this instant; the last of it then writes the row.
+   keeps_bodies: whether the mobilities of bodies stay valid. `progress.solved` says whether the step could be solved.
+   */
 int coupling_record_jump(Coupling *c, double after, int others, int keeps_bodies);
-/* A step (s) too short for motion, beside steps of a size (s). */
+/* Size (s) of a step in which nothing moves, where other steps have a size (s). */
 double instant_of(double size);
-/* A vanishing step h (s), INSTANT or AGAIN, in which every joint takes away the rates that it does not allow; lines that pass
-   their latches in it, of which no step tells, are `passed`. The second one takes what little the first one left, and gives
-   in sooner: all is as before it then. */
+/* Make a step h (s), INSTANT or AGAIN, in which every joint removes the relative rates that it does not allow. Lines
+   that pass their latches in it are marked as `passed`. AGAIN removes the little that INSTANT left; if it does not
+   converge, nothing changes. */
 int coupling_impulse(Coupling *c, double h);
-/* A row after the impulses of a lock. */
+/* Write a row after the impulses of a lock. */
 void coupling_record_impulse(Coupling *c);
-/* Latch a line, judged: by how it vibrates from then on; the step (s) to go on with, 0 for a failure. */
+/* Latch a line. judged: whether its vibration determines the next step, and its loads count in errors. Returns the size
+   (s) of the next step, 0 for a failure. */
 double coupling_engage(Coupling *c, size_t line, int judged);
-/* Let go of a participant: lines go on with those of their hinges that are left, and load is judged no more. 0 in `pending`
-   for those without any. */
+/* Release a participant: lines go on with their other hinges, and its load is no longer judged. A line without hinges
+   is no longer pending. */
 void coupling_release(Coupling *c, size_t participant);
-/* Judge loads of latched lines and struck stops by the energies of now; what an event changed may strike stops anew. */
+/* Weight errors of the loads of latched lines and struck stops by the present energies. Every stop may be struck anew,
+   as an event has changed something. */
 void coupling_judge_loads(Coupling *c);
-/* What was set since a balance (J) was observed changes energies from outside. */
+/* Count the change of the energy balance since `before` (J) as supplied from outside. */
 int coupling_supply(Coupling *c, double before);
-/* Continue with first steps, or a known step (s) where that is longer; steps before do not predict those to come. */
+/* Continue with first steps, or with a size `known` (s) if that is larger. Earlier steps do not predict the next ones.
+   */
 void coupling_renew(Coupling *c, double known);
-/* The same with steps of a size (s) after a latch-up. */
+/* The same with a size (s), after a latch-up. */
 void coupling_restart(Coupling *c, double size);
-/* Count steps anew, where any were made since the last event. */
+/* Begin a new segment, if the present one has steps. */
 void coupling_begin_segment(Coupling *c);
-/* A step (s), up to h, that bends no more by a jump of wrenches (size,); 0 where mobilities are not known. */
+/* Size (s), at most h, at which a jump of wrenches (size,) causes an error that leaves room to grow; 0 where no
+   mobilities are known. */
 double coupling_step_after_jump(Coupling *c, double h, const double *change);
 
-/* Numbers of the state that are in no array, to or from `scalars`; their count is SCALARS and watched loads after them. */
+/* Copy the numbers of the state that are in no array to (write) or from `scalars`: SCALARS numbers, then OF_WATCHED for
+   each watched load. */
 enum { SCALARS = 40, OF_WATCHED = 7 };
 void coupling_exchange_scalars(Coupling *c, int write);
-/* Place all arrays of the state from `first` on; how many numbers they are. first: NULL to learn that. */
+/* Place all arrays of the state from `first` on; returns how many numbers they have. first: NULL to compute that alone.
+   */
 size_t coupling_arrange(Coupling *c, double *first);
-/* After the state was put back: have participants stand there. */
+/* Restore participants and the coupling after the arrays of the state were replaced. */
 int coupling_stand(Coupling *c);
 
-/* Take note of why no step could be made; 0. */
+/* Note why something failed; returns 0. */
 int coupling_fails(Coupling *c, int failure);
-/* Whether an iteration has ended well: converged, or at what it is allowed to leave. */
+/* Whether an iteration has ended well: converged, or within `stalled`. */
 int is_solved(const Coupling *c, int status);
-/* Weight errors of steps by loads of latched lines and struck stops. */
+/* List the loads of latched lines and struck stops as `watched`, with their weights. */
 void coupling_watch_loads(Coupling *c);
-/* Judge a connection's load no more, as one that was struck. */
+/* Remove a connection, and what was struck with it, from the loads of struck stops. */
 void coupling_forget_struck(Coupling *c, size_t participant);
-/* Have distances of lines tell what their present sensors do. */
+/* Let the distances of lines point to the outputs of their present sensors. */
 void coupling_aim_sensors(Coupling *c);
 static inline double distance_of(const Crossing *c) { return (c->value - *c->place) / c->scale; }
 

@@ -1,4 +1,4 @@
-/* Products and LU factors of dense matrices, compiled into what uses them. Sizes are multiples of six. */
+/* Products and LU factors of dense matrices, inlined where they are used. Sizes are multiples of six. */
 
 #ifndef FANFOLD_DENSE_LU_H
 #define FANFOLD_DENSE_LU_H
@@ -7,7 +7,7 @@
 
 #include "blocks.h"
 
-/* Rows and columns that are taken at once; unknowns come in groups of six. */
+/* Rows and columns that are processed at once; unknowns come in groups of six. */
 enum { CHUNK = 6 };
 
 /* c -= a b for one row of c, with b (inner, columns) row by row with a given distance between rows. */
@@ -22,7 +22,7 @@ static INLINE void subtract_row(double *restrict c, const double *restrict a, co
     }
 }
 
-/* GCC and Clang: numbers computed with at once, anywhere in memory. */
+/* Vectors of GCC and Clang, anywhere in memory. */
 typedef double Pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double))));
 typedef double Quad __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
 

@@ -1,4 +1,4 @@
-/* What events make of participants under way: impulses, jumps of loads, latch-ups, releases. */
+/* What events change: impulses, jumps of loads, latch-ups, releases. */
 
 #include "coupling.h"
 
@@ -10,11 +10,11 @@
 #include "scheme.h"
 #include "system.h"
 
-#define LEAST_LATCH_SHARE 1e-3 /* of the energy of all, that a light part that latches or strikes is judged by */
+#define LEAST_LATCH_SHARE 1e-3 /* share of the whole energy at which a light part that latches or strikes counts */
 
 double instant_of(double size) { return fmin(INSTANT, INSTANT_SHARE * size); }
 
-/* Solve a step so short, from the wrenches accepted last. */
+/* Solve a step in which nothing moves, from the wrenches accepted last. */
 static int solve_instant(Coupling *c, double after) {
     const int status = solve(&c->solver, c->progress.time, after, c->network.accepted);
     c->progress.solved = (size_t)is_solved(c, status);
@@ -23,7 +23,7 @@ static int solve_instant(Coupling *c, double after) {
 
 int coupling_note_roughness(Coupling *c, double after) {
     Network *n = &c->network;
-    if (c->untold) return 1; /* that of what acted first at this instant */
+    if (c->untold) return 1; /* the event that acted first at this instant has noted it */
     if (!network_restore(n)) return coupling_fails(c, OF_PARTICIPANT);
     if (solve_instant(c, after)) {
         if (!network_observe(n)) return coupling_fails(c, OF_PARTICIPANT);
@@ -34,7 +34,7 @@ int coupling_note_roughness(Coupling *c, double after) {
     return 1;
 }
 
-/* Have participants stand an instant on, or where they are where that cannot be solved. */
+/* Observe participants an instant later, or where they stand if that step cannot be solved. */
 static int observe_after(Coupling *c, double after) {
     Network *n = &c->network;
     if (!network_restore(n)) return 0;
@@ -57,13 +57,13 @@ int coupling_record_jump(Coupling *c, double after, int others, int keeps_bodies
     return 1;
 }
 
-/* Three instants after the start, in which joints hardly move; shorter ones are rounded. */
+/* Three instants after the start have this distance: joints hardly move in them, and shorter ones are round-off. */
 #define AFTER_START 1e-8 /* s */
-/* Shares of their values in what the parabola through them has at the start. */
+/* Weights of their values in the parabola through them at the start. */
 static const double parabola[] = {3.0, -3.0, 1.0};
 
-/* Have participants tell t = 0, bodies what is brought to them on a parabola through instants after it: they know it of steps
-   alone, and friction of a light line grows to its whole within microseconds. */
+/* Observe t = 0. Loads that connections bring to bodies are on a parabola through instants after it: bodies know them
+   from steps alone, and the friction of a light line grows to its full value within microseconds. */
 static int observe_start(Coupling *c) {
     Network *n = &c->network;
     const Rows *r = &c->rows;
@@ -98,7 +98,7 @@ static void command_impulse(Coupling *c, double value) {
         c->network.participant[c->impulse[i].participant].input[c->impulse[i].place] = value;
 }
 
-/* Solve the vanishing step. */
+/* Solve the step of an impulse. */
 static int solve_impulse(Coupling *c, double h) {
     Network *n = &c->network;
     const Tolerance usual = n->tolerance;
@@ -150,14 +150,14 @@ static void command_latches(Coupling *c, const HingeLine *line, double value) {
             c->network.participant[line->hinge[i]].input[c->latch_command[line->hinge[i]]] = value;
 }
 
-/* Slopes of the hinges of a line under the commands of now. */
+/* Stiffnesses of the hinges of a line under the present commands. */
 static int slopes_of(Coupling *c, const HingeLine *line, double h, Slope *slopes) {
     for (size_t i = 0; i < line->hinges; i++)
         if (!line->released[i] && !slope_of(&c->solver, line->hinge[i], c->progress.time, h, slopes + i)) return 0;
     return 1;
 }
 
-/* What a line becomes with its latches: its hinges that they stiffen. */
+/* Compute what the latches of a line stiffen. */
 static int note_stiffened(Coupling *c, HingeLine *line, double h) {
     StiffenedLine *slow = line->stiffened;
     Slope *before = c->slopes, *after = before + c->most_hinges;
@@ -190,7 +190,7 @@ double coupling_engage(Coupling *c, size_t number, int judged) {
     return fmin(h, c->start_step);
 }
 
-/* Weight the loads of what is stiff by the geometric mean of its energy and the whole energy. */
+/* Watch the loads of a stiff part, weighted by the geometric mean of its energy and the whole energy. */
 static void watch_one(Coupling *c, const StiffenedLine *line) {
     Network *n = &c->network;
     const double whole = c->limit.energy, energy = sqrt(whole * fmax(line->energy, LEAST_LATCH_SHARE * whole));

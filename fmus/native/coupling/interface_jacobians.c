@@ -1,4 +1,4 @@
-/* Interface Jacobians by step size: of participants that give directional derivatives, and by differences of others. */
+/* Interface Jacobians by step size: from directional derivatives, or by differences where a participant has none. */
 
 #include "interface_jacobians.h"
 
@@ -7,9 +7,9 @@
 
 #define POSE_CHANGE 1e-7
 #define RATE_CHANGE 1e-6
-#define DISPLACEMENT 1e-5 /* largest motion (m, rad) and rate that a changed wrench causes */
+#define DISPLACEMENT 1e-5 /* largest motion (m, rad) by a changed wrench */
 #define VELOCITY 1e-3
-#define ALIKE 1e-2 /* largest relative difference of step sizes that share mobilities: 2 % of an error stay */
+#define ALIKE 1e-2 /* largest relative difference of sizes that share mobilities: an iteration leaves 2 % of an error */
 
 void jacobians_outdate(Jacobians *j) {
     for (size_t i = 0; i < j->kept; i++) j->sizes[i].has_stiffnesses = 0;
@@ -31,7 +31,7 @@ size_t block_size(const Network *n, size_t participant) {
     return n->width.wrench * n->width.coordinates * ports * ports;
 }
 
-/* Mobilities of a step of nearly this size: an event is searched for by steps that differ little. */
+/* Copy the mobilities of a step of nearly this size: events are located by steps that differ little. */
 static void take_alike(const Network *n, Jacobians *j, SizedJacobian *to) {
     for (size_t i = 0; i < j->kept; i++) {
         const SizedJacobian *from = j->sizes + i;
@@ -62,7 +62,7 @@ const SizedJacobian *nearest_mobilities(const Jacobians *j, double h) {
     return best;
 }
 
-/* Difference of a body's outputs from those kept, over an amount, as a column of its mobility. */
+/* Write the difference of a body's outputs from `kept`, over an amount, as a column of its mobility. */
 static void note_difference(const Participant *p, Width width, const double *kept, double amount, double *column) {
     const size_t columns = width.wrench * p->ports;
     for (size_t port = 0; port < p->ports; port++) {
@@ -85,7 +85,7 @@ static void note_difference(const Participant *p, Width width, const double *kep
     }
 }
 
-/* The mobility of a body by differences of steps from its saved state. */
+/* Compute the mobility of a body by differences of steps from its saved state. */
 static int mobility_by_differences(Network *n, size_t i, double *matrix, double *kept) {
     const Participant *p = n->participant + i;
     const size_t columns = n->width.wrench * p->ports;
@@ -106,7 +106,7 @@ static int mobility_by_differences(Network *n, size_t i, double *matrix, double 
     return network_step_one(n, i);
 }
 
-/* Change a coordinate of the motions of a connection's port; by how much, 0 for one that it does not have. */
+/* Change a coordinate of the motion at a connection's port; returns by how much, 0 for one that it does not have. */
 static double displace(const Participant *p, Width width, size_t port, size_t k) {
     double *motion = p->input + MOTION * port, *q = motion + 3;
     if (k < 3) motion[k] += POSE_CHANGE;
@@ -125,7 +125,7 @@ static double displace(const Participant *p, Width width, size_t port, size_t k)
     return POSE_CHANGE;
 }
 
-/* The stiffness of a connection by differences of steps from its saved state. */
+/* Compute the stiffness of a connection by differences of steps from its saved state. */
 static int stiffness_by_differences(Network *n, size_t i, double *matrix, double *kept) {
     const Participant *p = n->participant + i;
     const Width width = n->width;

@@ -1,4 +1,4 @@
-/* What a latch-up makes of a hinge line. */
+/* What a latch-up changes at a hinge line. */
 
 #include "latch_up.h"
 
@@ -11,7 +11,7 @@
 enum { FREQUENCY_SEARCH = 6 };
 #define LONG_STEP 100.0
 #define LEAST_STIFFENING 1e-12
-#define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole; in steps many swings long, derivatives tell no inertia */
+#define LONGEST_SWING 0.02 /* s, for the swing of a wing as a whole; over many periods derivatives show no inertia */
 
 double fastest_of(const StiffenedLine *line) { return fmax(line->frequency, line->decay); }
 
@@ -48,7 +48,7 @@ static void symmetric_eigen(double *a, size_t n, double *vectors) {
     }
 }
 
-/* Wrenches (6 ports,) by poses of a hinge over a step from its saved state. */
+/* Derivatives (PORT_ROWS, PORT_ROWS) of a hinge's wrenches by its poses, over a step from its saved state. */
 static int pose_stiffness(Solver *s, size_t i, double time, double h, double *result) {
     Network *n = s->network;
     const Width width = n->width;
@@ -58,7 +58,7 @@ static int pose_stiffness(Solver *s, size_t i, double time, double h, double *re
     const size_t held_size = p->moments ? sizeof held : 0;
     n->time = time;
     n->h = h;
-    memcpy(held, moments, held_size); /* without motion, as moments of the last step are no part of another one */
+    memcpy(held, moments, held_size); /* at rest, as moments belong to the last step */
     memset(moments, 0, held_size);
     const int filled = network_step_one(n, i) && fill_block(n, &s->jacobians, i, matrix);
     memcpy(moments, held, held_size);
@@ -152,15 +152,15 @@ static double rate_of(const Network *n, const Stiffening *hinge) {
     return rate;
 }
 
-/* Frequency and energy of a line on the time scale of a step h, whose matrices are in use; nothing turns where a hinge
-   would turn against its torque, or so far that the matrices are as good as singular. */
+/* Compute frequency, decay and energy of a line on the time scale of a step h (s), whose matrices are in use. They are
+   0 where a hinge would turn against its torque, or so far that the matrices are nearly singular. */
 static void note_swing(Solver *s, double h, StiffenedLine *line, double *room) {
     const size_t hinges = (size_t)line->hinges;
     double *compliance = room, *matrix = compliance + hinges * hinges, *vectors = matrix + hinges * hinges;
     double largest = 0.0, least = 1.0, energy = 0.0, damping = 0.0;
     for (size_t j = 0; j < hinges; j++) turned_by(s, line, line->hinge + j, compliance + j * hinges);
     for (size_t i = 0; i < hinges; i++)
-        for (size_t j = 0; j < hinges; j++) /* reciprocal but for the turning of axes */
+        for (size_t j = 0; j < hinges; j++) /* symmetric except for the turning of axes */
             matrix[i * hinges + j] = 0.5 * sqrt(line->hinge[i].stiffness * line->hinge[j].stiffness) *
                                      (compliance[i * hinges + j] + compliance[j * hinges + i]);
     for (size_t i = 0; i < hinges; i++) least = fmin(least, compliance[i * (hinges + 1)]);

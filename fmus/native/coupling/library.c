@@ -1,4 +1,4 @@
-/* A coupling for those who load this library, with memory of its own: orchestrator/cosim/coupling.py. */
+/* Functions that Python calls (orchestrator/cosim/coupling.py), for a coupling that owns its memory. */
 
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@ typedef struct {
     size_t size;
 } Owned;
 
-/* Bytes of the records, by which those who load this know that they mean the same. */
+/* Sizes (bytes) of the shared records, by which a caller checks its own declarations. */
 EXPORT void fanfold_sizes(size_t *sizes) {
     sizes[0] = sizeof(Participant);
     sizes[1] = sizeof(Request);
@@ -90,7 +90,7 @@ EXPORT double *fanfold_array(Owned *o, const char *name, size_t *count) {
     return NULL;
 }
 
-/* tolerance of a run; persistent: whether a slow iteration is made before a step is given up. */
+/* tolerance: of a run; persistent: whether a slow damped iteration is made before a step is given up. */
 EXPORT void fanfold_set(Owned *o, double tolerance, int persistent) {
     coupling_take_tolerance(&o->coupling, tolerance);
     o->coupling.solver.persistent = persistent;
@@ -136,13 +136,13 @@ EXPORT double fanfold_step_after_jump(Owned *o, double h, const double *change) 
     return coupling_step_after_jump(&o->coupling, h, change);
 }
 
-/* A row of a step h (s) after so many iterations, of what was observed last. */
+/* Add a row of what was observed last, for a step h (s) after so many iterations. */
 EXPORT void fanfold_add_row(Owned *o, double h, double iterations) {
     Coupling *c = &o->coupling;
     guard_accepts(&c->guard, c->network.energies);
     rows_add(&c->rows, &c->network, c->progress.time, h, iterations, c->segment + 0.5);
 }
 
-/* Write down where it stands, into "state", or stand there. */
+/* Copy numbers of the coupling into "state", or restore the coupling from it. */
 EXPORT void fanfold_write_state(Owned *o) { coupling_exchange_scalars(&o->coupling, 1); }
 EXPORT int fanfold_stand(Owned *o) { return coupling_stand(&o->coupling); }

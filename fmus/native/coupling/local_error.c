@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the load of a step: what was less than this in the step before was none. */
+/* Share of the load of a step: a smaller load in the step before counts as none. */
 #define NO_LOAD 1e-6
 
 /* Whether a row of the unknown is a slope: half the change of a wrench over a step. */
 static INLINE int is_slope(const Network *n, size_t row) { return row % n->width.wrench >= WRENCH; }
 
-/* Translation (m) or rotation (rad) of a body's port along row `row` of its wrenches, for wrenches of 1 on all. */
+/* Derivatives by all wrenches on a body, of the translation (m) or rotation (rad) along row `row` of its wrenches. */
 static const double *mobility_row(const Participant *body, Width width, size_t row) {
     return body->turned + (row / width.wrench * width.coordinates + row % width.wrench) * width.wrench * body->ports;
 }
@@ -27,14 +27,15 @@ double work_of(const Network *n, const double *change) {
     return total;
 }
 
-/* Error of a wrench that a solution may leave: the last correction, or what moves the port by its rounding. */
+/* Error that a solution may leave in a wrench: the last correction, or its rounding, at most what moves the port by the
+   rounding of its pose. */
 static double noise_of(const Network *n, size_t i, double mobility) {
     const double pose = ROUND_OFF * (i / 3 % 2 ? 1.0 : n->reach);
     const double rounded = pose < n->round_off[i] * mobility ? pose / mobility : n->round_off[i];
     return fmax(n->scale[i] * fmin(n->correction, 1.0), rounded);
 }
 
-/* Note such errors of all mean wrenches; the work (J) that they do, each on its own, on the motion that they cause. */
+/* Note these errors of all mean wrenches. Returns the work (J) of each on the motion that it causes, added up. */
 static double noise_work(Network *n) {
     double total = 0.0;
     size_t i = 0;
@@ -48,9 +49,9 @@ static double noise_work(Network *n) {
     return total;
 }
 
-/* Square of the part of a watched load that bends over a step, over what its energy makes of it; gain: how much errors
-   that solutions leave grow in it. All of it bends in a step that strikes: steps before tell nothing of it, and by
-   chance a bend that is no more than a part of a jump. */
+/* Square of the bend of a watched load over a step, times its weight; gain: growth of errors of solutions in the bend.
+   In a step that strikes the whole load counts, as steps before do not show it and its bend may by chance be a small
+   part of the jump. */
 static double watched_square(const Network *n, const Watched *w, double h, double gain) {
     double axes[9], load = 0.0, before = 0.0, now = 0.0, noise = 0.0;
     axes_of(n->participant[w->connection].input + MOTION * w->port, axes);
@@ -65,13 +66,13 @@ static double watched_square(const Network *n, const Watched *w, double h, doubl
     return w->weight * h * h * fmax(0.0, load * load - gain * gain * noise * noise);
 }
 
-/* Weights of the remembered points and the present one: of mean wrenches, of slopes as rates, and of means in what they
-   bend at most. */
+/* Weights of the remembered points and the present one: of mean wrenches and of slopes as rates in the bend, and of
+   mean wrenches in its limit. */
 typedef struct {
     double mean[POINTS + 1], rate[POINTS + 1], most[POINTS + 1];
 } Weights;
 
-/* Add half of h^2 u'' by three of the points at `times`. */
+/* Add half of h^2 u'' from three of the points at `times`. */
 static void add_curvature(const double *times, size_t first, double h, Weights *w) {
     for (size_t i = first; i < first + 3; i++) {
         double weight = h * h;
@@ -81,8 +82,9 @@ static void add_curvature(const double *times, size_t first, double h, Weights *
     }
 }
 
-/* Add half of what three of the points tell of h^2 u'' that slopes do not know of: the fourth divided difference over
-   the outer points, doubled, and the one between. In equal steps the second difference of u less that of its rates. */
+/* Add half of the part of h^2 u'' that slopes do not represent, from three of the points: the fourth divided difference
+   over the outer points, doubled, and the one between. In equal steps it is the second difference of u less the
+   difference of its rates. */
 static void add_unknown_curvature(const double *times, size_t first, double h, Weights *w) {
     const double a = times[first], b = times[first + 1], c = times[first + 2], scale = -h * h * h * h;
     const double of_a = scale / ((a - b) * (a - c) * (a - c)), of_c = scale / ((c - b) * (c - a) * (c - a));
@@ -93,7 +95,7 @@ static void add_unknown_curvature(const double *times, size_t first, double h, W
     w->mean[first + 2] -= of_c * (1.0 / (c - b) + 2.0 / (c - a));
 }
 
-/* Of all points in a twelfth of h^3 times the third derivative, by the third divided difference. */
+/* Set the weights of all points in h^3 u'''/12, by the third divided difference. */
 static void add_third_difference(const double *times, double h, Weights *w) {
     for (size_t i = 0; i <= POINTS; i++) {
         w->most[i] = 0.5 * h * h * h;
@@ -102,7 +104,7 @@ static void add_third_difference(const double *times, double h, Weights *w) {
     }
 }
 
-/* Let no component with a slope bend more than the rows of slopes say, which are cleared. */
+/* Limit the bend of each component that has a slope by the row of the slope, which is then cleared. */
 static void limit_bend(Network *n) {
     for (size_t port = 0; port < n->size; port += n->width.wrench)
         for (size_t i = port; i < port + WRENCH; i++) {
@@ -112,13 +114,13 @@ static void limit_bend(Network *n) {
         }
 }
 
-/* Note how far the present wrenches bend, and return how much independent errors of the wrenches grow in it.
+/* Compute the bend of the present wrenches; returns the growth of independent errors of wrenches in it.
 
-   It is the mean of now and a step before, in which what changes sign with every step cancels: the ringing of stiff joints
-   that a change of step stirs. At order 2 it is h^2 u''. At order 4 it is what rates r, that slopes give, do not tell of it,
-   h^2 (u'' - r'), by a formula that vanishes for cubic wrenches: -h^4 u''''/12 where slopes are right. Slopes of joints that a
-   step does not resolve are not, and do nothing: a component with a slope bends no more than h^3 u'''/12, which is more than
-   that of a resolved vibration. Rows of slopes are zero. */
+   The bend is the mean of this step and the step before, in which terms that alternate with every step cancel: the
+   ringing of stiff joints after a change of size. At order 2 it is h^2 u''. At order 4 it is what the rates r of slopes
+   do not represent, h^2 (u'' - r'), by a formula that vanishes for cubic wrenches: -h^4 u''''/12 where slopes are
+   right. Slopes of joints that a step does not resolve are wrong but do no work. So a component with a slope bends by
+   at most h^3 u'''/12, which is more than a resolved vibration does. Rows of slopes are zero. */
 static double bend(Network *n, double middle, double h) {
     const History *past = &n->history;
     double times[POINTS + 1], gain = 0.0, most = 0.0;

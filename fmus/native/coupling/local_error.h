@@ -1,7 +1,8 @@
 /* Local error of a coupled step from the curvature of its wrenches.
 
-   The mean over a step of size h errs by a twelfth of h^2 u'', less the part that slopes cover. The work of such wrenches on
-   the motion that they cause, over an energy, is the square of a relative error in velocity. */
+   The mean wrench over a step of size h errs by h^2 u''/12, less the part that slopes represent. The work of this error
+   on the motion that it causes, over an energy, is the square of a relative error in velocity. The bend is twelve times
+   the error. */
 
 #ifndef FANFOLD_LOCAL_ERROR_H
 #define FANFOLD_LOCAL_ERROR_H
@@ -12,10 +13,10 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* Square of the relative error that what bends wrenches makes of velocities: its work over an energy (J), or what it is at
-   a watched load. What errors left by the solutions have in it does not count; not a number with fewer points. */
+/* Square of the relative error of velocities by the bend of wrenches: its work over an energy (J), or the largest of
+   the watched loads. Errors that solutions leave in it do not count. NaN with too few points. */
 double error_square(Network *n, double middle, double h, double energy);
-/* Work (J) that a change of mean wrenches (size,) does on the motion it causes, by the turned mobilities. */
+/* Work (J) of a change of mean wrenches (size,) on the motion that it causes, by the turned mobilities. */
 double work_of(const Network *n, const double *change);
 
 #ifdef __GNUC__

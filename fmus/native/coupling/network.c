@@ -8,7 +8,7 @@
 #include <string.h>
 
 #ifdef _WIN32
-/* windows.h has names of its own for much that is here */
+/* windows.h defines names that are used here */
 __declspec(dllimport) int __stdcall QueryPerformanceCounter(long long *count);
 __declspec(dllimport) int __stdcall QueryPerformanceFrequency(long long *frequency);
 #else
@@ -41,7 +41,7 @@ static double sum_of(const double *values, size_t size) {
     return (s0 + s1) + (s2 + s3);
 }
 
-/* The sum of finite numbers may overflow. */
+/* Finite values may have a sum that overflows; then each is checked. */
 int all_finite(const double *values, size_t size) {
     if (isfinite(sum_of(values, size))) return 1;
     for (size_t i = 0; i < size; i++)
@@ -75,7 +75,7 @@ static int step_all(Network *n, size_t first, size_t last) {
     return 1;
 }
 
-/* Copy `count` numbers that ports hold beside the rest, where both sides have them. */
+/* Copy slopes or moments of a port (`count` numbers), where both sides have them. */
 static void carry(double *to, size_t to_first, size_t to_port, const double *from, size_t from_first, size_t from_port,
                   size_t count) {
     if (to_first && from_first)

@@ -1,4 +1,4 @@
-/* Participants joined port to port, and what goes to and fro between them in one sweep. */
+/* Participants joined port to port, and what they exchange in one sweep. */
 
 #ifndef FANFOLD_NETWORK_H
 #define FANFOLD_NETWORK_H
@@ -12,19 +12,20 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* A port of a body and the port of a connection that it meets; place: its rows, or those of its rigid body, in the order of
-   elimination. */
+/* A port of a body and the port of a connection that it meets. place: first row, in the order of elimination, of its
+   wrench or of the unknown of a rigid body. */
 typedef struct {
     size_t body, body_port, connection, connection_port, place;
 } Link;
 
-/* A matrix like Participant.turned, and the axes (3, 3) of the participant's first port when it was made. */
+/* A matrix like Participant.turned, and the axes (3, 3) of the participant's first port when the matrix was made. */
 typedef struct {
     const double *matrix, *axes;
 } JacobianBlock;
 
-/* Convergence limits of the correction of wrenches: relative to the largest force and torque, and to these. residual:
-   below this many tolerances a larger correction is round-off, as between joints that constrain a loop more than once. */
+/* Convergence limits of a correction of wrenches: `relative` times the largest force plus `force` (N), and the largest
+   torque plus `torque` (N.m). residual: residuals below this many tolerances show that a larger correction is
+   round-off, as between joints that constrain a loop more than once. */
 typedef struct {
     double relative, force, torque, residual;
 } Tolerance;
@@ -35,15 +36,15 @@ enum { POINTS = 3, ENERGIES = 5 };
 /* The order of `Energies` in orchestrator/cosim/energy_balance.py. */
 enum { KINETIC, POTENTIAL, DISSIPATED, NUMERICAL, SUPPLIED };
 
-/* A load along an axis fixed in a port of a connection that an event made stiff: what it may err, in the rows [row, row +
-   3) of the unknown, is judged beside an energy of its own. weight: 1 over twice the effective inertia times that
-   energy. */
+/* A load that is judged relative to an energy of its own: that of a connection that an event made stiff, along an axis
+   fixed in one of its ports, in the rows [row, row + 3) of the unknowns. weight: 1 / (2 x effective inertia x that
+   energy). */
 typedef struct {
     size_t connection, port, row;
     double axis[3], weight;
 } Watched;
 
-/* Mean wrenches (POINTS, size) of the last accepted steps at their mid-step times, the newest last; slopes as rates,
+/* Mean wrenches (POINTS, size) of the last accepted steps and their mid-step times, the newest last; slopes as rates
    per second. */
 typedef struct {
     size_t count;
@@ -51,11 +52,11 @@ typedef struct {
     double *values;
 } History;
 
-/* All that a coupled step works on. Bodies come before connections. Arrays have `size` rows but: steps (most, size),
-   squares (most,), product with room for a connection's rows over a body's columns, gathered for a wrench over them, watched (watched_count,),
-   observations of all participants in order and a zero, energies (ENERGIES,), energy_rows (ENERGIES, participants): where
-   observations hold them. parts: by connection, its ports, its ports again, the
-   ports of the first port's body, of a rigid one once; without bodies that never move. */
+/* All that a coupled step works on; bodies come before connections. Arrays have `size` rows, except: steps (most,
+   size), squares (most,), product and gathered (work space: a connection's rows by a body's columns), watched
+   (watched_count,), observations (those of all participants in order, then a zero), energies (ENERGIES,), energy_rows
+   (ENERGIES, participants; places of the energies among the observations). parts: by connection, its port, its port
+   again, and port of the body at the first port (once for a rigid body), without bodies that never move. */
 typedef struct {
     size_t participants, bodies, links, size;
     Width width;
@@ -76,20 +77,21 @@ typedef struct {
     int failed_status;
 } Network;
 
-/* What a participant can fail in, in the order of FAILURES in orchestrator/cosim/fmu.py. */
+/* Calls of a participant that can fail, in the order of FAILURES in orchestrator/cosim/fmu.py. */
 enum { RESTORE, SET, STEP, GET, FINITE, SAVE, OBSERVE, OBSERVED };
 
-/* Functions that return 1, or 0 where a participant fails: who failed in what is noted. */
+/* These functions return 1, or 0 if a participant fails; `network_fail` notes which one, in which call. */
 int network_fail(Network *n, size_t participant, size_t call, int status);
-/* One participant from its saved state through the step. */
+/* Restore one participant and step it. */
 int network_step_one(Network *n, size_t participant);
-/* Bodies under the wrenches, then connections over the motions, all from their saved states over h from a time. */
+/* Restore and step all participants over h (s) from a time (s): bodies under the wrenches, then connections over the
+   resulting motions. Their wrenches go to `law`. */
 int network_sweep(Network *n, double time, double h);
-/* All participants back to their saved states, with the motions of those at the connections. */
+/* Restore all participants, and pass the motions of bodies to connections. */
 int network_restore(Network *n);
-/* Save the states of all. */
+/* Save the states of all participants. */
 int network_save(Network *n);
-/* Read the observations of all, for the present inputs, and sum up their energies. */
+/* Read the observations of all participants at the present inputs, and add up their energies. */
 int network_observe(Network *n);
 
 void network_give_motions(Network *n);

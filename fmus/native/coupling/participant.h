@@ -1,5 +1,5 @@
-/* A participant as the coupling calls it, by functions like those of FMI 2.0, and the derivatives of its last step in the
-   coordinates of its ports. */
+/* A participant as the coupling calls it, through functions like those of FMI 2.0, and the derivatives of its last step
+   by the coordinates of its ports. */
 
 #ifndef FANFOLD_PARTICIPANT_H
 #define FANFOLD_PARTICIPANT_H
@@ -24,7 +24,7 @@ typedef int Derivative(void *, const unsigned *, size_t, const unsigned *, size_
 
 #include "records.h"
 
-/* Numbers of a port: of its wrench, with slope, and of its motion as coordinates: pose, moments, rates. */
+/* How many numbers a port has: of its wrench with slope, and of its motion as coordinates (pose, moments, rates). */
 typedef struct {
     size_t wrench, coordinates;
 } Width;
@@ -37,7 +37,7 @@ int participant_mobility(const Participant *p, Width width, double *matrix, doub
 /* Derivative of a connection's wrenches (wrenches, coordinates) by its motions over the step just made; slope: room for
    all outputs. FMI status. */
 int participant_stiffness(const Participant *p, Width width, double *matrix, double *slope);
-/* The same at once; 0 where a participant does not offer that. */
+/* The same in one call; 0 where a participant does not offer it. */
 int participant_stiffness_at_once(const Participant *p, Width width, double *matrix);
 
 #ifdef __GNUC__

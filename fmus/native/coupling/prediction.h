@@ -9,12 +9,13 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* Remember the present wrenches as those of the step h with this mid-step time, slopes as rates; the oldest go. */
+/* Remember the present wrenches, with slopes as rates, as those of a step h (s) with the mid-step time `middle` (s).
+   The oldest ones are dropped. */
 void history_add(Network *n, double middle, double h);
-/* Forget the wrenches of steps before: something jumped. */
+/* Forget all remembered wrenches, as something jumped. */
 void history_clear(Network *n);
-/* Wrenches that a step h with this mid-step time may start from: the polynomial through those remembered, or those
-   accepted last. */
+/* Wrenches from which the iteration of a step h (s) with the mid-step time `middle` (s) starts: the polynomial through
+   the remembered ones, or without any those accepted last. */
 void predict(const Network *n, double middle, double h, double *result);
 
 #ifdef __GNUC__

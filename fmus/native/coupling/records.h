@@ -1,14 +1,15 @@
 /* Records that Python shares: fmus/native/records.py, written by python -m fmus.native. */
 
-/* A participant: its functions, its arrays, the cell of its saved state, and its ports. derivative: NULL where it gives
-   no derivatives of the step just made; port_stiffness: of a connection that has all columns at once, or NULL. inputs,
-   outputs: how many are exchanged. slopes, moments: where slopes of wrenches and moments of rates begin beside the
-   rest, 0 for none; links: of its ports. turned: a body's mobility (coordinates, wrenches), a connection's stiffness
-   (wrenches, coordinates), of all ports; NULL for a body that never moves. rigid: of a rigid body, whose ports move as
-   one, NULL for others: what a wrench at its first port moves (coordinates, wrench), then the negative of what all
-   wrenches are there (wrenches, wrench). response: a connection's wrenches on bodies that are rigid or never move, by
-   the unknowns of the bodies at its ports, the negative: for each port that moves and each such port (unknowns,
-   wrench). */
+/* A participant: its functions, its arrays, the cell of its saved state, and its ports. derivative: NULL without
+   derivatives of the step just made; port_stiffness: returns a connection's stiffness in one call, or NULL. inputs,
+   outputs: how many are exchanged. overwrites_state: whether a state may be saved into the cell of another. slopes,
+   moments: places of the first slope of a wrench and the first moment of a rate, 0 without; links: those of its ports.
+   turned: a body's mobility (coordinates, wrenches), a connection's stiffness (wrenches, coordinates), of all ports, at
+   the present orientations; NULL for a body that never moves. rigid: NULL except for a rigid body, whose ports move as
+   one: motions by a wrench at its first port (coordinates, wrench), then the negative of the wrench there that each
+   wrench amounts to (wrenches, wrench). response: of a connection with rigid bodies or bodies that never move, negative
+   derivatives of the wrenches on these by the unknowns of the bodies at its ports: for each port that moves and each
+   such port (unknowns, wrench). */
 typedef struct {
     void *component;
     SetReal *set_real;
@@ -39,8 +40,8 @@ typedef struct {
     double *response;
 } Participant;
 
-/* How far to go (s): to the end of a run, to the next event that has a time, and after which step to pause. fixed_step
-   (s): 0 for none; plan (planned,): sizes to make, NULL where they are chosen. */
+/* How far to go (s): to the end of a run, to the next event that has a time, and to the time after which to pause.
+   fixed_step (s): 0 without one; plan (planned,): sizes (s) of the next steps, NULL where they are chosen. */
 typedef struct {
     double until;
     double event_time;
@@ -50,11 +51,11 @@ typedef struct {
     size_t planned;
 } Request;
 
-/* What steps have come to. time (s) of the participants, size h (s) of the last attempt at a step, and as it was tried
-   before anything crossed in it; made, rejected: steps of the last call; crossed: what ended the last step, as a
-   number, negative for nothing; lets_go: whether a hold-down does at its end; solved: whether an instant could be
-   solved; failure: why something could not be done, and then the participant, its call and its status, or the row of
-   the wrench that changes most, by so many tolerances, after so many iterations. */
+/* What steps have reached. time (s): of the participants; h (s): size of the last attempt at a step; tried (s): the
+   same before an event shortened it; made, rejected: steps of the last call; crossed: number of what ended the last
+   step, negative for nothing; lets_go: whether a hold-down does at its end; solved: whether an instant could be solved;
+   failure: why something failed, then the participant, its call and its status, or the row of the wrench that changes
+   most, by so many tolerances, after so many iterations. */
 typedef struct {
     double time;
     double h;

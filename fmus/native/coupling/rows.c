@@ -1,11 +1,11 @@
-/* Rows of results on their way out. */
+/* Rows of results before they are recorded. */
 
 #include "rows.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { TELLING_STEPS = 2 }; /* whose means tell loads at the end of the last */
+enum { TELLING_STEPS = 2 }; /* after an event, after which means of steps show the load at the end of the last one */
 
 static size_t width_of_row(const Rows *r) { return r->columns + CHANNELS + r->signals; }
 
@@ -21,8 +21,8 @@ static void note_channels(const Rows *r, const double *found, double h, double i
     memcpy(channels + CHANNELS, r->signal, r->signals * sizeof(double));
 }
 
-/* Room for a row; its time is no earlier than the last: the instant after an event lies behind it, where another may follow
-   at once. */
+/* Room for a row. Its time is no earlier than that of the last one: the row of the instant after an event lies behind
+   the event, where another event may follow at once. */
 static double *next_row(Rows *r, double time, double segment) {
     r->times[r->count] = r->last_time = fmax(time, r->last_time);
     r->segments[r->count] = segment;

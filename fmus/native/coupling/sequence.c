@@ -1,4 +1,4 @@
-/* What happens when, inside of one FMU of a scene. */
+/* What happens when in one FMU of a scene. */
 
 #include "sequence.h"
 
@@ -9,8 +9,8 @@
 
 #define EVENT_REACHED 1e-9 /* s, what sums of step sizes may leave */
 
-/* Of `pending`: it waits; it acts at this instant; it locks with another; it passed its latch in an impulse; an event
-   latches it. */
+/* Values of `pending`: it waits; it acts at this instant; it locks together with another line; it passed its latch in
+   an impulse; an event latches it. */
 #define WAITING 1.0
 #define ACTS 2.0
 #define LOCKING 3.0
@@ -42,10 +42,10 @@ static int record_jump(Sequence *s, double after) {
     return 1;
 }
 
-/* The row of an instant that was left to what then had none of its own. */
+/* Write the row of this instant where an event left it to a later one that did not write it. */
 static int record_untold(Sequence *s) { return !s->coupling.untold || record_jump(s, instant_now(s)); }
 
-/* Take rates away; lines that pass their latches in that, and do not act at this instant anyway, are marked. */
+/* Make an impulse, and mark lines that pass their latches in it and do not act at this instant anyway. */
 static int make_impulse(Sequence *s, double h) {
     Coupling *c = &s->coupling;
     if (!coupling_impulse(c, h)) return 0;
@@ -54,7 +54,7 @@ static int make_impulse(Sequence *s, double h) {
     return 1;
 }
 
-/* Take note of the time and the rate at which a line latches. */
+/* Note the time and the rate at which a line latches. */
 static void note_latch_up(Sequence *s, size_t line) {
     const Coupling *c = &s->coupling;
     const size_t sensor = c->line[line].hinge[(size_t)*c->line[line].sensor];
@@ -62,7 +62,7 @@ static void note_latch_up(Sequence *s, size_t line) {
     s->latch_rate[line] = fabs(c->network.observations[s->angular_rate[sensor]]);
 }
 
-/* Have others that lock at this instant do so with a line: those with the same mark. */
+/* Let the other kinematic lines with a mark lock together with the present one. */
 static void join_locks(Sequence *s, double mark) {
     Coupling *c = &s->coupling;
     for (size_t k = 0; k < c->lines; k++)
@@ -72,7 +72,7 @@ static void join_locks(Sequence *s, double mark) {
         }
 }
 
-/* Engage a line and those that lock with it; the step (s) to go on with, 0 for a failure. */
+/* Engage a line and those that lock with it. Returns the size (s) of the next step, 0 for a failure. */
 static double engage(Sequence *s, size_t line) {
     Coupling *c = &s->coupling;
     double size = coupling_engage(c, line, 1);
@@ -84,7 +84,7 @@ static double engage(Sequence *s, size_t line) {
     return size;
 }
 
-/* Engage all latches of a line; a kinematic one takes the relative rate away in an impulse, with others of its mark. */
+/* Engage all latches of a line. A kinematic line loses its relative rate in an impulse, with others of its mark. */
 static int latch_line(Sequence *s, size_t line, double mark) {
     Coupling *c = &s->coupling;
     const int is_kinematic = c->line[line].is_kinematic != 0;
@@ -154,7 +154,7 @@ Event *due_event(Sequence *s) {
     return NULL;
 }
 
-/* Let what was reached act, first what the step was ended for, unless what came before has let go of it. */
+/* Let all act that was reached, first what ended the step; what an earlier event has released does not act. */
 static int let_act(Sequence *s, size_t first) {
     Coupling *c = &s->coupling;
     int fine = 1;
@@ -170,7 +170,7 @@ static int let_act(Sequence *s, size_t first) {
     return fine && record_untold(s);
 }
 
-/* Go on after a break of a law; where a hold-down lets go there, with what that makes of loads. */
+/* Go on after a break of a law; where a hold-down lets go, with a row of the jump of loads. */
 static int pass_break(Sequence *s) {
     if (s->coupling.progress.lets_go) {
         forget_all(&s->coupling.solver);

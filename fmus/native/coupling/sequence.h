@@ -1,4 +1,4 @@
-/* What happens when, inside of one FMU of a scene: the sequence of orchestrator/cosim/master.py over the same functions. */
+/* What happens when in one FMU of a scene: the sequence of orchestrator/cosim/master.py over the same functions. */
 
 #ifndef FANFOLD_SEQUENCE_H
 #define FANFOLD_SEQUENCE_H
@@ -9,14 +9,14 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* A value for a parameter: `place` among those of its participant. */
+/* A value of a parameter: `place` among those of its participant. */
 typedef struct {
     size_t participant, place;
     double value;
 } Setting;
 
-/* time (s): not a number where a condition is waited for, whose crossing it is then. releases: commands; latches: lines.
-   pending is part of a saved state. */
+/* An event. time (s): NaN where it waits for a condition, whose `crossing` is then set. release (releases,): inputs;
+   latch (latches,): lines; setting (settings,). pending is part of a saved state. */
 typedef struct {
     double time;
     const Crossing *crossing;
@@ -27,10 +27,10 @@ typedef struct {
     double *pending;
 } Event;
 
-/* latch_time (s; negative before), latch_rate (rad/s just before latch-up, 0 until then): by line, part of a saved state.
-   angular_rate: place among the observations, by participant that has it. row: takes rows as they come; set_parameter: of a
-   participant. steps, rejected, happened: counts. event_time (s): of the last event or latch-up, negative before;
-   is_crossed: whether a distance was to be met for it. */
+/* latch_time (s; negative before), latch_rate (rad/s just before latch-up; 0 before): by line, part of a saved state.
+   angular_rate (participants,): places among the observations. row: receives each row; set_parameter: sets one of a
+   participant; both receive `taker`. steps, rejected, happened: counts. event_time (s): of the last event or latch-up,
+   negative before the first; is_crossed: whether a distance fell through zero for it. */
 typedef struct {
     Coupling coupling;
     Event *event;
@@ -43,17 +43,17 @@ typedef struct {
     size_t events, steps, rejected, happened;
 } Sequence;
 
-/* Begin a run with participants that are initialised and hold their first outputs, `accepted` being the wrenches there. An
-   event whose condition holds from the start, NULL for none; fine: whether participants can. */
+/* Begin a run with initialised participants whose outputs have been read; `accepted` contains the wrenches there.
+   Returns an event whose condition is met from the start, NULL for none. fine: whether participants did not fail. */
 const Event *begin_run(Sequence *s, int *fine);
-/* One turn of a run that goes to `until` of the request: an event, a step, or a step that has to be smaller; 0 where it
+/* One turn of a run that goes to `until` of the request: an event, a step, or a rejected attempt at one; 0 where it
    cannot go on. */
 int take_turn(Sequence *s);
-/* An event whose time has come, or whose condition holds. */
+/* An event whose time has come, or whose condition is met; NULL for none. */
 Event *due_event(Sequence *s);
-/* Let go of a participant by an input. */
+/* Release a participant by an input. */
 void release_one(Sequence *s, const Place *release);
-/* Go on after something jumped: latches that were commanded with it engage at once. */
+/* Go on after something jumped; lines that are to latch with it engage at once. */
 int go_on(Sequence *s, const size_t *latch, size_t latches);
 void hand_on_rows(Sequence *s);
 

@@ -1,4 +1,4 @@
-/* The iteration of a coupled step. Nothing here allocates or is global. */
+/* The iteration of a coupled step. It allocates nothing and has no global state. */
 
 #include "solver.h"
 
@@ -11,8 +11,8 @@
 
 enum { MOST_DAMPED = 30 };
 
-/* Iterations after which slow contraction has matrices refreshed: first only turned, then those of connections probed anew,
-   at last those of bodies as well, which cost tens of sweeps. */
+/* Iterations after which slow contraction leads to a refresh: matrices are turned, then stiffnesses are evaluated anew,
+   at last mobilities as well, which costs tens of sweeps. */
 static const size_t refreshed[] = {2, 4, 8};
 enum { TURNS, PROBES, PROBES_BODIES, REFRESHES };
 
@@ -26,7 +26,8 @@ void forget_all(Solver *s) {
     s->ready_step = NAN;
 }
 
-/* Have the matrices of the step in use, factorised; again: others than those it has. 0 where a participant cannot tell. */
+/* Factorise the matrices of the present step size. again: with new stiffnesses, and at the last stage new mobilities. 0
+   if a participant fails. */
 static int provide(Solver *s, int again) {
     Network *n = s->network;
     SizedJacobian *one = jacobian_of(n, &s->jacobians, n->h);
@@ -63,7 +64,7 @@ static void update(const Network *n, double *result) {
         for (size_t i = 0; i < n->size; i++) result[i] *= factor;
 }
 
-/* Keep the step and take it. */
+/* Add a step to the wrenches and keep it for Broyden's update. */
 static int apply(Network *n, const double *step) {
     n->last = n->correction;
     n->squares[n->kept] = dot(step, step, n->size);
@@ -72,14 +73,14 @@ static int apply(Network *n, const double *step) {
     return GOES_ON;
 }
 
-/* Forget the steps taken with the matrices before, and take one with the present ones. */
+/* Forget the steps by earlier matrices, and make one by the present ones. */
 static int restart(Network *n) {
     n->kept = 0;
     scaled_direction(n, n->steps);
     return apply(n, n->steps);
 }
 
-/* Go back half of the step before, where matrices are made anew; no iteration of its own. */
+/* Go back half of the step before; matrices are turned to the wrenches there. This is no iteration of its own. */
 static int halve(Network *n) {
     const double *before = n->steps + (n->kept - 1) * n->size;
     for (size_t i = 0; i < n->size; i++) {
@@ -95,7 +96,7 @@ static int halve(Network *n) {
     return GOES_ON;
 }
 
-/* Refresh matrices where contraction is slow, and step with them; probed anew only where that pays. */
+/* Refresh matrices where contraction is slow, by new evaluations only where that pays, and make a step. */
 static int refresh(Solver *s, const double *step) {
     Network *n = s->network;
     size_t stage = 0;
@@ -107,7 +108,7 @@ static int refresh(Solver *s, const double *step) {
     return restart(n);
 }
 
-/* From residual and factors to the next wrenches. */
+/* Compute the next wrenches from the residual, and decide whether the iteration ends. */
 static int correct(Solver *s) {
     Network *n = s->network;
     double *step = n->steps + n->kept * n->size;
@@ -151,7 +152,7 @@ static int iterate(Solver *s, double time, double h) {
     return NOT_CONVERGED;
 }
 
-/* Residual of the present wrenches; 0 where a participant refuses them. */
+/* Compute the residual of the present wrenches; 0 if a participant fails or returns values that are not finite. */
 static int residual_of(Solver *s, double time, double h) {
     Network *n = s->network;
     if (!network_sweep(n, time, h)) return 0;
@@ -169,7 +170,7 @@ static double scaled_size(Network *n, const double *correction) {
     return largest;
 }
 
-/* Go along a correction as far as the next one, by the same matrices, is smaller; whether there is a residual. */
+/* Go along a correction, halved until the next one by the same matrices is smaller; whether there is a residual. */
 static int search_along(Solver *s, double time, double h, const double *step, double size) {
     Network *n = s->network;
     double *start = s->start, *next = n->steps;
@@ -185,7 +186,7 @@ static int search_along(Solver *s, double time, double h, const double *step, do
     return fine;
 }
 
-/* Newton with all matrices of the present wrenches, each correction halved until it makes progress. */
+/* Newton's method with all matrices at the present wrenches, each correction halved until it makes progress. */
 static int iterate_damped(Solver *s, double time, double h) {
     Network *n = s->network;
     double *step = s->step;
@@ -204,7 +205,7 @@ static int iterate_damped(Solver *s, double time, double h) {
     return fine ? NOT_CONVERGED : REFUSED;
 }
 
-/* One way of iterating; the matrices of a step that a participant refused are those of absurd wrenches. */
+/* Iterate in one way. If a participant refuses a step, its matrices are those of absurd wrenches. */
 static int attempt(Solver *s, int (*way)(Solver *, double, double), double time, double h) {
     const int status = way(s, time, h);
     if (status == REFUSED) s->ready_step = NAN;

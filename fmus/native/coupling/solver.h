@@ -1,8 +1,8 @@
-/* One coupled step: wrenches at all ports for which both sides agree.
+/* One coupled step: wrenches at all ports on which both sides agree.
 
-   The unknown are the mean wrenches that bodies take over the step, at order 4 with their slopes. Residual: wrenches that the
-   connections return for the motions that the wrenches cause, minus the wrenches. A chord Newton iteration on the interface
-   Jacobian, sharpened by Broyden's update. */
+   The unknowns are the mean wrenches on bodies over the step, at order 4 with their slopes. The residual is what
+   connections return for the motions under these wrenches, minus the wrenches. A chord Newton iteration on the
+   interface Jacobian, improved by Broyden's update, finds its root. */
 
 #ifndef FANFOLD_SOLVER_H
 #define FANFOLD_SOLVER_H
@@ -13,8 +13,8 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* ready_step: size (s) of the step whose matrices are factorised, not a number for none. persistent: whether a slow damped
-   iteration is made before giving up. predicted, start, step: room for wrenches (size,) and for the matrix of any
+/* ready_step (s): size of the step whose matrices are factorised, NaN without. persistent: whether a slow damped
+   iteration is made before giving up. predicted, start, step: work space for wrenches (size,) and for the matrix of any
    participant. */
 typedef struct {
     Network *network;
@@ -23,19 +23,20 @@ typedef struct {
     int persistent;
 } Solver;
 
-/* How a step is solved; REFUSED where a participant cannot, see network_fail. */
+/* How a solution ends; REFUSED: a participant failed, see network_fail. */
 enum { CONVERGED, NOT_CONVERGED, REFUSED, NOT_FINITE, GOES_ON };
 
-/* Laws changed (an event): evaluate connections anew at the next solve. */
+/* Evaluate connections anew at the next solve, as an event changed their laws. */
 void forget_stiffnesses(Solver *s);
-/* Keep nothing but what a step starts from. */
+/* Evaluate all matrices anew at the next solve. */
 void forget_all(Solver *s);
-/* Find the wrenches of the step h from a time, from the saved states; participants end stepped where it converges. guess:
-   no array of the network that iterations write. */
+/* Find the wrenches of a step h (s) from a time (s) and the saved states. If it converges, participants stand at the
+   end of the step. guess: start of the iteration, in no array of the network that iterations write to. */
 int solve(Solver *s, double time, double h, const double *guess);
-/* The same from what the steps before lead to expect. */
+/* The same from the predicted wrenches. */
 int solve_predicted(Solver *s, double time, double h);
-/* Have the matrices of a step h in use, about the wrenches accepted last; participants end stepped. 0 where they cannot. */
+/* Use the matrices of a step h (s) about the wrenches accepted last; participants then stand at its end. 0 if one
+   fails. */
 int linearize(Solver *s, double time, double h);
 
 #ifdef __GNUC__

@@ -1,4 +1,4 @@
-/* How step sizes follow from errors, and which steps the balance of energy allows. */
+/* Step sizes by errors, and which steps the energy balance allows. */
 
 #include "step_control.h"
 
@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define RATIO 1.4142135623730951 /* of neighbouring sizes */
-#define REJECTED 3.0             /* error over what is allowed from which on a step is made again */
+#define REJECTED 3.0             /* error over the allowed one from which a step is rejected */
 #define REJECTED_STIRRED 10.0    /* the same right after a change of size */
 #define FORGET 0.8
 #define GROWTH_MARGIN 0.5
@@ -21,11 +21,11 @@ enum {
     PARTS = 4,
     MOST_PARTS = 1024
 };
-/* Largest jump over the energy in motion; sound steps of any length leave 2.5e-5 or less, spurious roots up to 1. */
+/* Largest jump over the energy in motion; good steps of any length leave 2.5e-5 or less, spurious roots up to 1. */
 #define SHARE 1e-4
-/* Of all energies: rounding of their sums, and what solutions that agree to the iteration's tolerance leave at rest. */
+/* Share of all energies: rounding of their sums, and what the tolerance of iterations leaves at rest. */
 #define ROUNDED 1e-12
-#define LEAST_KINETIC 1e-17 /* J in motion, for steps of what hardly moves yet, where all is rounding */
+#define LEAST_KINETIC 1e-17 /* J in motion, for steps in which hardly anything moves yet and all is rounding */
 #define STEADY 2.0
 #define ALLOWANCE 2.0
 
@@ -57,10 +57,10 @@ int shrink_size(StepSizes *s, double share) {
     return size_now(s) >= s->smallest * share;
 }
 
-/* Logarithm of how much the error of a step grows with one level. */
+/* Logarithm of the growth of a step's error by one level. */
 static double per_level(const StepSizes *s) { return (double)(s->order + 1) * log(RATIO); }
 
-/* After an error that leaves room for larger steps. */
+/* Go to larger sizes, where the worst error since the last change leaves room. */
 static void grow(StepSizes *s) {
     const ptrdiff_t room = (ptrdiff_t)floor(log(GROWTH_MARGIN / fmax(s->worst, LEAST_ERROR)) / per_level(s));
     if (room < 1 || s->level == 0) return;

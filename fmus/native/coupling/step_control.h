@@ -12,18 +12,19 @@
 #endif
 
 #define TIME_ROUNDING 1e-12 /* s, what sums of step sizes may leave */
-#define BREAK_REACHED 1e-9  /* s, the same before a time that steps are to end at */
-#define STRETCHED 1.001 /* steps in which a remainder that would be a tiny step is taken in one, */
-#define SHARED 1.5      /* or where a step may be chosen in two */
-#define TO_CONVERGE (1.0 / 1024.0) /* of the smallest step for accuracy, that convergence may ask for: friction that breaks
-                                      away below a light body in a lock converges where it moves little in a step */
+#define BREAK_REACHED 1e-9  /* s, how far before a time on which steps end they may end */
+#define STRETCHED 1.001 /* of a size: a smaller remainder becomes one step */
+#define SHARED 1.5      /* of a size: a smaller remainder becomes two steps where sizes are chosen */
+/* Share of the smallest size for accuracy, down to which steps become smaller in order to converge: friction that
+   breaks away below a light body in a lock converges where it moves little in a step. */
+#define TO_CONVERGE (1.0 / 1024.0)
 
-/* The geometric grid of communication step sizes (s), largest x sqrt(2)^-level, and where we are on it.
+/* The grid of communication step sizes (s), largest x sqrt(2)^-level, and the present level.
 
-   A change of step stirs up whatever is stiff, so steps change seldom: an error a little above what is allowed is accepted
-   and the next step made smaller, and after a change the size stays for a while (wait). Errors of the first steps after a
-   change are those of the stirring (stirred), which smaller steps would only renew: they stand unless they are large, and say
-   nothing about the next size. worst: of the errors since, fading. */
+   A change of size excites stiff joints, so sizes change seldom. A step with an error a little above the allowed one is
+   accepted, and the next one is smaller. After a change the size stays for `wait` steps. Errors of the first `stirred`
+   steps after a change are those of this excitation, which smaller steps would only renew: they lead to a rejection
+   only if they are large, and do not influence the next size. worst: largest error since then, which fades. */
 typedef struct {
     double largest, smallest, worst;
     size_t order;
@@ -31,59 +32,60 @@ typedef struct {
 } StepSizes;
 
 double size_now(const StepSizes *s);
-/* Go to the grid size at or below a size (s); not stirred: errors of the first steps count like others. */
+/* Go to the grid size at or below a size (s). stirred: whether the change excites stiff joints; otherwise errors of the
+   first steps count like others. */
 void restart_sizes(StepSizes *s, double size, int stirred);
-/* Go down two levels; 0 where that is below a share of the smallest size. */
+/* Go down two levels; 0 if the size is then below a share of the smallest one. */
 int shrink_size(StepSizes *s, double share);
-/* Whether a step with this error (over what is allowed) stands; chooses the size of the next one. */
+/* Whether a step with this error, relative to the allowed one, is accepted; sets the size of the next one. */
 int judge_error(StepSizes *s, double error);
 
-/* Error of a step that may be allowed, from the wrenches h^2 u'' or what is left of them; resolved: the same by order 2, for
-   the phase up to which a vibration that holds all energy is followed well, as what an event starts is no smoother. energy
-   (J): the largest of what motors will put through the scene, of the kinetic energy seen, and of a thousandth of what is
-   stored at the start. */
+/* Allowed error of a step. allowed: of the bend of wrenches, see error_square. resolved: the same at order 2; it sets
+   the phase up to which a vibration with all energy is resolved, as motion after an event is no smoother. energy (J):
+   the largest of the work that motors will do, the kinetic energy so far, and LEAST_STORED_SHARE of the energy stored
+   at the start. */
 #define LEAST_STORED_SHARE 1e-3
 #define LEAST_ENERGY 1e-9 /* J */
 typedef struct {
     double allowed, resolved, energy;
 } ErrorLimit;
 
-/* Part of a step, at most all of it, whose error leaves room to grow, where errors go with the step; square: of the relative
-   error that it makes, see error_square. */
+/* Share of a step, at most 1, whose error leaves room to grow, where errors are proportional to the step. square: of
+   the error of the whole step, see error_square. */
 double share_that_fits(const ErrorLimit *limit, double square);
 
 enum { TRIALS = 4 };
 
 /* Rejects spurious roots of the step equations, which do not conserve energy.
 
-   At such a root wrenches and motions agree to the last digit, but the work of constant wrenches on a rotating body does not:
-   the balance jumps. A jump is measured against the energy in motion (J): the largest kinetic energy so far, a least one, or
-   what changes hands in the step itself, whichever is more. What smaller steps do not cure is not for them to cure: a jump
-   that goes with the length of the step is a power that a participant does not account for, and one that stays at the
-   smallest step is rounding. Both are let pass from then on, and the recorded residual shows them. powers: the newest last;
-   trials: how many there are. */
+   At such a root wrenches and motions agree to the last digit, but constant wrenches on a rotating body do other work,
+   and the energy balance jumps. A jump is compared with the energy in motion (J): the largest of the kinetic energy so
+   far, a least one, and the energies that change in the step itself. Smaller steps do not remove every jump. One that
+   is proportional to the step is a power that a participant does not count; one that stays at the smallest step is
+   rounding. Both pass from then on, and the recorded residual shows them. powers (TRIALS,): jump over step size of the
+   last attempts, the newest last; trials: how many there are. */
 typedef struct {
     double last[ENERGIES], kinetic, powers[TRIALS], power, rounding;
     size_t trials;
 } EnergyGuard;
 
 void begin_guard(EnergyGuard *g, const double *energies);
-/* Whether a step h (s) from the last accepted one to these energies stands. */
+/* Whether a step h (s) from the energies accepted last to these passes. */
 int guard_allows(EnergyGuard *g, const double *energies, double h);
-/* Let pass from now on what the smallest step leaves open. */
+/* Let jumps pass from now on that are as large as the one at the smallest step. */
 void guard_gives_in(EnergyGuard *g, const double *energies);
-/* Take note of the energies that an accepted step ends with. */
+/* Note the energies at the end of an accepted step. */
 void guard_accepts(EnergyGuard *g, const double *energies);
 
-/* Parts that a fixed step is made in, as whole ones did not converge or gained energy; made: steps of this size. Parts become
-   fewer seldom: steps that are larger and smaller in turn pump what is stiff. */
+/* parts: of a fixed step, where whole ones do not converge or do not conserve energy; made: steps of this size. Their
+   number decreases seldom: sizes that alternate excite stiff joints. */
 typedef struct {
     size_t parts, made;
 } SubdividedStep;
 
-/* Four parts of each; 0 where these are too many. */
+/* Make four times as many parts; 0 where these are too many. */
 int divide_step(SubdividedStep *d);
-/* Count a step that stands, and try half the parts after some. */
+/* Count an accepted step; after some of them, try half as many parts. */
 void step_stood(SubdividedStep *d);
 
 #ifdef __GNUC__

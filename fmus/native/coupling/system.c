@@ -1,4 +1,4 @@
-/* The linear system of a coupled step: I - stiffness x mobility from matrices turned to the present orientations. */
+/* The linear system of a coupled step. */
 
 #include "system.h"
 
@@ -6,11 +6,11 @@
 
 #include "dense_lu.h"
 
-/* m, of positions whose rounding ports have at least: bodies reach beyond their ports, which may lie in the origin */
+/* m, least size of positions that are rounded: bodies reach beyond their ports, which may lie in the origin */
 #define LEAST_REACH 1.0
 
-/* A matrix (rows, columns) of 3-vectors over 3-vectors, turned from the axes it was made in to those of `motion`;
-   of every `period` rows only the first `used`. */
+/* Turn a matrix (rows, columns) of 3-vectors by 3-vectors from the axes in which it was made to those of `motion`; of
+   every `period` rows only the first `used`. */
 static INLINE void turn(const JacobianBlock *block, const double *motion, size_t rows, size_t columns, size_t period,
                         size_t used, double *restrict turned) {
     double now[9], t[9];
@@ -37,7 +37,7 @@ static INLINE void turn(const JacobianBlock *block, const double *motion, size_t
     }
 }
 
-/* How many of a port's coordinates wrenches depend on: all, or all but the rates. */
+/* How many of a port's coordinates affect wrenches: all, or all but the rates. */
 static INLINE size_t coordinates_used(const Network *n) {
     const Width width = n->width;
     for (size_t i = n->bodies; i < n->participants; i++) {
@@ -45,12 +45,12 @@ static INLINE size_t coordinates_used(const Network *n) {
         const double *rates = n->stiffness[i - n->bodies].matrix + width.coordinates - RATES;
         for (size_t k = 0; k < width.wrench * ports * ports; k++, rates += width.coordinates)
             for (size_t j = 0; j < RATES; j++)
-                if (rates[j] != 0.0) return width.coordinates; /* one that is not a number as well */
+                if (rates[j] != 0.0) return width.coordinates; /* NaN as well */
     }
     return width.coordinates - RATES;
 }
 
-/* Largest component of one of a port's quantities over all connections: of its MOTION numbers, [first, last). */
+/* Largest of the numbers [first, last) of a port's motion, over the ports of all connections. */
 static INLINE double largest_of_ports(const Network *n, size_t first, size_t last) {
     double largest = 0.0;
     for (size_t i = n->bodies; i < n->participants; i++)
@@ -60,13 +60,13 @@ static INLINE double largest_of_ports(const Network *n, size_t first, size_t las
     return largest;
 }
 
-/* Largest size of a coordinate, whose rounding ports cannot agree better than. */
+/* Largest value of a coordinate; ports agree no better than its rounding. */
 static INLINE double size_of(const Network *n, size_t coordinate, double rate) {
     if (coordinate < POSE) return coordinate < 3 ? n->reach : 1.0;
     return coordinate < n->width.coordinates - RATES ? rate * n->h : rate;
 }
 
-/* Wrenches that the rounding of a connection's motions makes. */
+/* Compute the wrenches that the rounding of a connection's motions causes. */
 static INLINE void note_round_off(Network *n, const Participant *p, double rate) {
     const Width width = n->width;
     for (size_t row = 0; row < width.wrench * p->ports; row++) {
@@ -78,19 +78,21 @@ static INLINE void note_round_off(Network *n, const Participant *p, double rate)
     }
 }
 
-/* Whether the wrenches on a body are unknown themselves. */
+/* Whether the wrenches on a body are unknowns themselves. */
 static INLINE int is_flexible(const Participant *body) { return body->turned && !body->rigid; }
 
 size_t unknowns_of(const Participant *body, Width width) {
     return !body->turned ? 0 : body->rigid ? width.wrench : width.wrench * body->ports;
 }
 
-/* What all wrenches on a rigid body are at its first port, behind what those there move. */
+/* The negative of the wrench at a rigid body's first port that each wrench on it amounts to, stored behind the motions.
+   */
 static INLINE double *gathered_by(const Participant *body, Width width) {
     return body->rigid + width.coordinates * width.wrench * body->ports;
 }
 
-/* Split the mobility of a rigid body; room: for all its wrenches by one. 0 where its first port resists a wrench. */
+/* Split the mobility of a rigid body into this product; room: for its wrenches (wrench, wrenches). 0 where the mobility
+   of its first port is singular. */
 static INLINE int split_mobility(const Participant *body, Width width, double *room) {
     const size_t wrench = width.wrench, columns = wrench * body->ports, rows = width.coordinates * body->ports;
     double own[4 * WRENCH * WRENCH], *gathered = gathered_by(body, width);
@@ -106,7 +108,7 @@ static INLINE int split_mobility(const Participant *body, Width width, double *r
     return 1;
 }
 
-/* Add a port's wrench by the unknowns of a body to the matrix; returns the parts not used yet. */
+/* Add derivatives of a port's wrench by the unknowns of a body to the matrix; returns the parts not used yet. */
 static INLINE const Part *add_parts(double *values, const Part *part, const double *by, size_t down, size_t right,
                                     size_t columns, size_t wrench) {
     for (size_t first = 0; first < columns; first += wrench, part++)
@@ -184,7 +186,7 @@ VECTORISED void system_assemble(Network *n) {
     n->singular |= !factorize_blocks(m);
 }
 
-/* Add what the unknowns do to a connection's wrenches on bodies that are rigid or never move. */
+/* Add to a connection's wrenches, on bodies that are rigid or never move, what the unknowns cause. */
 static INLINE void take_responses(const Network *n, const Participant *p, double *result) {
     const size_t wrench = n->width.wrench;
     const double *response = p->response;

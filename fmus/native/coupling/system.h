@@ -1,8 +1,8 @@
-/* The linear system of a coupled step: I - stiffness x mobility from matrices turned to the present orientations.
+/* The linear system of a coupled step: I - stiffness x mobility, from matrices turned to the present orientations.
 
-   The ports of a rigid body move as one, so that its mobility is a product: of what a wrench at its first port moves, and of
-   the wrench that all wrenches on it are there. This is all the unknown that it has; a body that never moves has none. The
-   wrenches on both follow from the motions of all. */
+   The ports of a rigid body move as one, so that its mobility is a product: the motions by a wrench at its first port,
+   times the wrench there that all wrenches on the body amount to. This one wrench is the body's unknown; a body that
+   never moves has none. The wrenches on both follow from the motions of all. */
 
 #ifndef FANFOLD_SYSTEM_H
 #define FANFOLD_SYSTEM_H
@@ -13,11 +13,11 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* LU factors of the matrices in use at the present orientations; `singular` where there are none. */
+/* Factorise the matrices in use at the present orientations; sets `singular` where that fails. */
 void system_assemble(Network *n);
 /* How many unknowns the wrenches on a body have. */
 size_t unknowns_of(const Participant *body, Width width);
-/* Mobilities of all bodies at the present orientations. */
+/* Turn the mobilities of all bodies to the present orientations. */
 void system_turn_bodies(Network *n);
 /* Correction of the wrenches by the chord Newton method; the residual itself where the matrix is singular. */
 void system_direction(const Network *n, const double *residual, double *result);

@@ -1,4 +1,4 @@
-/* A coupling from tables: what they say is checked wherever it is an index. */
+/* A coupling from tables; every index in them is checked. */
 
 #include "tables.h"
 
@@ -53,7 +53,7 @@ int is_input(const Network *n, Place at) {
     return at.participant < n->participants && at.place < n->participant[at.participant].inputs;
 }
 
-/* Numbers of observations of all participants. */
+/* How many observations all participants have. */
 static size_t all_observations(const Network *n) {
     size_t all = 0;
     for (size_t i = 0; i < n->participants; i++) all += n->participant[i].observations;
@@ -89,8 +89,8 @@ static int read_sizes(Coupling *c, const Data *data, size_t count, Reason *why) 
     return 1;
 }
 
-/* One participant. numbers: inputs and outputs exchanged, ports, where slopes and moments begin, whether it never moves,
-   and whether it does as a rigid body. */
+/* Create a participant. numbers: how many inputs and outputs are exchanged, ports, where slopes and moments begin,
+   whether it never moves, and whether it moves as a rigid body. */
 static int create_participant(Network *n, size_t i, const Participant *given, const size_t *numbers, Memory *memory,
                               Reason *why) {
     Participant *p = n->participant + i;
@@ -115,7 +115,7 @@ static int create_participant(Network *n, size_t i, const Participant *given, co
     return (never_moves || p->turned) && (!is_rigid || p->rigid);
 }
 
-/* Participants with their ports, and what they share. */
+/* Create participants with their ports, and what they share. */
 static int create_participants(Coupling *c, const Data *data, const Participant *given, Memory *memory, Reason *why) {
     enum { COLUMNS = 7 };
     Network *n = &c->network;
@@ -209,7 +209,7 @@ static int are_links_sound(const Network *n, size_t size) {
     return 1;
 }
 
-/* Links, tables of the linear system, and all room of the network. */
+/* Create links, tables of the linear system, and all arrays of the network. */
 static int create_network(Coupling *c, const Data *data, Memory *memory, Reason *why) {
     Network *n = &c->network;
     Matrix *m = &n->matrix;
@@ -315,7 +315,7 @@ static int is_hinge(const Network *n, size_t number) {
     return number >= n->bodies && number < n->participants && n->participant[number].ports == HINGE_PORTS;
 }
 
-/* Lines: hinges, whether kinematic; then the participants of the hinges, the sensor first. */
+/* Create lines. Of each: how many hinges, whether it is kinematic, the participants of the hinges, the sensor first. */
 static int create_lines(Coupling *c, const Data *data, Memory *memory, Reason *why) {
     const Network *n = &c->network;
     Reader r = {NULL, 0};
@@ -344,7 +344,7 @@ static int create_lines(Coupling *c, const Data *data, Memory *memory, Reason *w
     return 1;
 }
 
-/* Conditions: places among observations, then values and what distances to them are divided by. */
+/* Create conditions: places among observations, values, and what distances to them are divided by. */
 static int create_crossings(Coupling *c, const Data *data, Memory *memory, Reason *why) {
     size_t conditions = 0;
     const size_t *place = whole_numbers(data, "conditions", &conditions, memory, why);
@@ -363,8 +363,8 @@ static int create_crossings(Coupling *c, const Data *data, Memory *memory, Reaso
     return 1;
 }
 
-/* Stops and contacts: participant, and place of its penetration among all observations; room to judge their loads and
-   those of lines. */
+/* Create stops and contacts, of participants and places of penetrations among all observations, and arrays to judge
+   their loads and those of lines. */
 static int create_strikes(Coupling *c, const Data *data, Memory *memory, Reason *why) {
     const Network *n = &c->network;
     size_t numbers = 0, most = 0;
@@ -386,7 +386,7 @@ static int create_strikes(Coupling *c, const Data *data, Memory *memory, Reason 
     return 1;
 }
 
-/* Impulses to command, and times to breaks, those of hold-downs first. */
+/* Create commands of impulses, and times to breaks, first those of hold-downs. */
 static int create_commands(Coupling *c, const Data *data, Memory *memory, Reason *why) {
     const Network *n = &c->network;
     size_t impulses = 0, laws = 0;
@@ -409,7 +409,7 @@ static int create_commands(Coupling *c, const Data *data, Memory *memory, Reason
     return 1;
 }
 
-/* What rows take of observations, and room for them. */
+/* Create rows: places of what they contain, and arrays for them. */
 static int create_rows(Coupling *c, const Data *data, size_t room, Memory *memory, Reason *why) {
     Rows *r = &c->rows;
     size_t corrected = 0;

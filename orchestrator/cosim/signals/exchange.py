@@ -1,4 +1,4 @@
-"""When FMUs with signals take part, what they are given, and what they set."""
+"""When FMUs with signals are stepped, their inputs, and what they set."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class SignalExchange:
 
     @property
     def sets_bodies(self) -> bool:
-        """Whether parameters of bodies are set, which then move otherwise under the same wrenches."""
+        """Whether parameters of bodies are set, which changes their mobility."""
         return self._sets_bodies
 
     @property
@@ -72,9 +72,9 @@ class SignalExchange:
         self._participants.leave((setting.part, setting.parameter) for setting in event.settings)
 
     def exchange(self, time: float) -> bool:
-        """Step all that have come to the end of their step; whether what they give is different from before.
+        """Step all that have reached the end of their step; whether they changed anything.
 
-        They are given what was before any of them set something.
+        Their inputs are those before any of them sets something.
         """
         due = [k for k in range(len(self._all)) if self._next(k) <= time + _REACHED]
         given = []

@@ -1,4 +1,4 @@
-"""An FMU with signals among the participants: what it is given, and how what it gives is set."""
+"""An FMU with signals among the participants: where its inputs come from, and what its outputs set."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class _Place:
 
 
 class Participants:
-    """Those that signals come from and go to. observations: of all of them in order."""
+    """Participants as sources and targets of signals. observations: of all participants in order."""
 
     def __init__(self, participants: Sequence[Participant], observations: Vector) -> None:
         self._by_name = {p.name: p for p in participants}
@@ -66,7 +66,7 @@ class Participants:
         return any(part in names for part, _ in self._parameters)
 
     def leave(self, targets: Iterable[Target]) -> None:
-        """Set these parameters no longer, which something else has set."""
+        """Stop setting these parameters, as an event has set them."""
         self._left |= set(targets)
 
     def set(self, values: Iterable[tuple[Signal, float]], who: str, time: float) -> bool:
@@ -116,7 +116,7 @@ class JoinedFmu:
         return self._named(self.process.sample(time, h, self.inputs()), time + h)
 
     def take(self, given: Mapping[str, float], h: float, time: float) -> bool:
-        """Set what its outputs at a time (s), after a step over h, are joined to; whether that changed anything."""
+        """Set the targets of its outputs at a time (s), after a step over h (s); whether that changed anything."""
         changed = self._participants.set(
             ((s, self._growth(s, given) / h if s.is_impulse else s.arriving(given[s.variable]))
              for s in self.fmu.outputs),
@@ -131,7 +131,7 @@ class JoinedFmu:
         return (given[signal.variable] - self._last[signal.variable]) * signal.factor
 
     def inputs(self) -> list[float]:
-        """What it is given at present."""
+        """Its present inputs."""
         return [place.value() for place in self._sources]
 
     def _named(self, outputs: Sequence[float], time: float) -> Mapping[str, float]:

@@ -16,7 +16,7 @@ from ..participant import ParticipantError
 from ..shared_library import unpack
 
 _MOST_WARNINGS = 5
-"""Different warnings of one FMU that are told."""
+"""Most different warnings of one FMU that are reported."""
 
 
 class SignalProcess:
@@ -65,7 +65,7 @@ class SignalProcess:
         return dict(zip(self._inputs, values, strict=True))
 
     def warned(self) -> Iterator[str]:
-        """Sentences on what it warned of."""
+        """Sentences with its warnings."""
         for text, time in self._warnings.items():
             yield f"{self.fmu.name}: at t = {time:.6g} s it warned: {text}"
 
