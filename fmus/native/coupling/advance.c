@@ -37,6 +37,7 @@ static int stop_short(Coupling *c, int failure) {
 /* After a failed attempt: set a smaller size, at least a share of the smallest one. failure: what to report where there
    is none. A planned size is the caller's: `of_plan` is returned. */
 static int reject(Coupling *c, double share, int of_plan, int failure) {
+    if (failure == OF_PARTICIPANT && is_fatal(&c->network)) return stop_short(c, failure);
     if (c->request.plan) {
         coupling_fails(c, failure);
         return of_plan;

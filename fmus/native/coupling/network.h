@@ -82,6 +82,8 @@ enum { RESTORE, SET, STEP, GET, FINITE, SAVE, OBSERVE, OBSERVED };
 
 /* These functions return 1, or 0 if a participant fails; `network_fail` notes which one, in which call. */
 int network_fail(Network *n, size_t participant, size_t call, int status);
+/* Whether the participant that failed last fails for good, whatever is tried. */
+static inline int is_fatal(const Network *n) { return n->failed_status >= FMI_FATAL; }
 /* Restore one participant and step it. */
 int network_step_one(Network *n, size_t participant);
 /* Restore and step all participants over h (s) from a time (s): bodies under the wrenches, then connections over the
