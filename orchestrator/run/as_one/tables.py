@@ -1,4 +1,4 @@
-"""What one FMU of a scene reads of it beside the coupling, `fmus/native/coupling/assembly_model.h`: tables by name."""
+"""Tables of one FMU of a scene in addition to those of its coupling, for `fmus/native/coupling/assembly_model.c`."""
 
 from __future__ import annotations
 
