@@ -29,8 +29,8 @@ void set_scale(Network *n, const double *change);
 double largest_of(const double *values, size_t size, size_t *row);
 /* Whether the correction is so small that a solution is near. */
 int is_near(const Network *n);
-/* Whether residuals are round-off, of motions times stiffness or of the largest wrench, or below `tolerance.residual`.
-   */
+/* Whether residuals are round-off, of motions times stiffness or of the largest wrench, or below
+   `tolerance.residual`. */
 int is_within_round_off(const Network *n);
 /* Whether wrenches of this size can leave this residual; matrices of absurd motions correct nothing. */
 int is_credible(const Network *n);

@@ -92,8 +92,8 @@ void coupling_take_tolerance(Coupling *c, double tolerance);
 /* Begin at t = 0 with initialised participants whose outputs have been read; `accepted` contains the wrenches there.
    Energies count from what participants observe there. */
 int coupling_start(Coupling *c);
-/* Write the first row, with loads just after t = 0, and save the state to step from. Call it after all that acts at t =
-   0. */
+/* Write the first row, with loads just after t = 0, and save the state to step from. Call it after all that acts at
+   the start. */
 int coupling_record_start(Coupling *c);
 
 /* Why `coupling_advance` returns. PAUSED: to report, or because there is no room for more rows. REACHED: an accepted
@@ -116,8 +116,8 @@ int coupling_save(Coupling *c);
 int coupling_note_roughness(Coupling *c, double after);
 /* After an event: write a row with the loads just after it, from a step of `after` (s), in which nothing moves and
    which is then taken back. others: whether more is to act at this instant; the last of it then writes the row.
-   keeps_bodies: whether the mobilities of bodies stay valid. `progress.solved` says whether the step could be solved.
-   */
+   keeps_bodies: whether the mobilities of bodies stay valid. `progress.solved` says whether the step could be
+   solved. */
 int coupling_record_jump(Coupling *c, double after, int others, int keeps_bodies);
 /* Size (s) of a step in which nothing moves, where other steps have a size (s). */
 double instant_of(double size);
@@ -138,8 +138,8 @@ void coupling_release(Coupling *c, size_t participant);
 void coupling_judge_loads(Coupling *c);
 /* Count the change of the energy balance since `before` (J) as supplied from outside. */
 int coupling_supply(Coupling *c, double before);
-/* Continue with first steps, or with a size `known` (s) if that is larger. Earlier steps do not predict the next ones.
-   */
+/* Continue with first steps, or with a size `known` (s) if that is larger. Earlier steps do not predict the next
+   ones. */
 void coupling_renew(Coupling *c, double known);
 /* The same with a size (s), after a latch-up. */
 void coupling_restart(Coupling *c, double size);
@@ -153,8 +153,8 @@ double coupling_step_after_jump(Coupling *c, double h, const double *change);
    each watched load. */
 enum { SCALARS = 40, OF_WATCHED = 7 };
 void coupling_exchange_scalars(Coupling *c, int write);
-/* Place all arrays of the state from `first` on; returns how many numbers they have. first: NULL to compute that alone.
-   */
+/* Place all arrays of the state from `first` on; returns how many numbers they have. first: NULL to compute that
+   alone. */
 size_t coupling_arrange(Coupling *c, double *first);
 /* Restore participants and the coupling after the arrays of the state were replaced. */
 int coupling_stand(Coupling *c);

@@ -85,8 +85,8 @@ size_t unknowns_of(const Participant *body, Width width) {
     return !body->turned ? 0 : body->rigid ? width.wrench : width.wrench * body->ports;
 }
 
-/* The negative of the wrench at a rigid body's first port that each wrench on it amounts to, stored behind the motions.
-   */
+/* The negative of the wrench at a rigid body's first port that each wrench on it amounts to, stored behind the
+   motions. */
 static INLINE double *gathered_by(const Participant *body, Width width) {
     return body->rigid + width.coordinates * width.wrench * body->ports;
 }
