@@ -19,7 +19,7 @@ static int are_sizes_given(const Coupling *c) { return c->request.plan || c->req
 
 static double next_break(const Coupling *c) { return fmin(c->law_time, c->request.event_time); }
 
-/* Size of the next step. A tiny step as a remainder would cost accuracy, so that it is avoided. */
+/* Size of the next step. No tiny step remains at the end, as it would cost accuracy. */
 static double next_size(const Coupling *c) {
     const double remaining = fmin(c->request.until, next_break(c)) - c->progress.time;
     const double h = c->request.plan                ? c->request.plan[c->progress.made]

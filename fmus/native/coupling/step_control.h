@@ -12,7 +12,7 @@
 #endif
 
 #define TIME_ROUNDING 1e-12 /* s, what sums of step sizes may leave */
-#define BREAK_REACHED 1e-9  /* s, how far before a time on which steps end they may end */
+#define BREAK_REACHED 1e-9  /* s, a step that ends so little before a break has reached it */
 #define STRETCHED 1.001 /* of a size: a smaller remainder becomes one step */
 #define SHARED 1.5      /* of a size: a smaller remainder becomes two steps where sizes are chosen */
 /* Share of the smallest size for accuracy, down to which steps become smaller in order to converge: friction that

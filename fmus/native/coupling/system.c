@@ -91,8 +91,8 @@ static INLINE double *gathered_by(const Participant *body, Width width) {
     return body->rigid + width.coordinates * width.wrench * body->ports;
 }
 
-/* Split the mobility of a rigid body into this product; room: for its wrenches (wrench, wrenches). 0 where the mobility
-   of its first port is singular. */
+/* Split the mobility of a rigid body into the product that system.h describes; room: for its wrenches (wrench,
+   wrenches). 0 where the mobility of its first port is singular. */
 static INLINE int split_mobility(const Participant *body, Width width, double *room) {
     const size_t wrench = width.wrench, columns = wrench * body->ports, rows = width.coordinates * body->ports;
     double own[4 * WRENCH * WRENCH], *gathered = gathered_by(body, width);
