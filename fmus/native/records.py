@@ -19,7 +19,11 @@ _RECORDS = {
         "it gives no derivatives of the step just made; port_stiffness: of a connection that has all columns at once, "
         "or NULL. inputs, outputs: how many are exchanged. slopes, moments: where slopes of wrenches and moments of "
         "rates begin beside the rest, 0 for none; links: of its ports. turned: a body's mobility (coordinates, "
-        "wrenches), a connection's stiffness (wrenches, coordinates), of all ports; NULL for a body that never moves.",
+        "wrenches), a connection's stiffness (wrenches, coordinates), of all ports; NULL for a body that never moves. "
+        "rigid: of a rigid body, whose ports move as one, NULL for others: what a wrench at its first port moves "
+        "(coordinates, wrench), then the negative of what all wrenches are there (wrenches, wrench). response: a "
+        "connection's wrenches on bodies that are rigid or never move, by the unknowns of the bodies at its ports, the "
+        "negative: for each port that moves and each such port (unknowns, wrench).",
         {
             "component": "void *",
             "set_real": "SetReal *",
@@ -46,6 +50,8 @@ _RECORDS = {
             "moments": "size_t",
             "links": "const size_t *",
             "turned": "double *",
+            "rigid": "double *",
+            "response": "double *",
         },
     ),
     "Request": (

@@ -1,19 +1,21 @@
 """In which order and with which blocks the linear system of a coupled step is eliminated.
 
-Connections between the same bodies form a group, and groups that share a body depend on each other. Groups
-are eliminated by least degree: a chain, and a tree of chains, then stay as sparse as they were, so that
-memory and work grow linearly with the number of bodies. The tables are read by fmus/native/coupling/blocks.h.
+What the ports of a rigid body take acts as one wrench at its first port, which is all the unknown that it has. The
+wrenches on other bodies are unknown themselves; those of connections between the same bodies form a group. Groups that
+share a body or a connection to a rigid body depend on each other. They are eliminated by least degree: a chain, and a
+tree of chains, then stay as sparse as they were, so that memory and work grow linearly with the number of bodies. The
+tables are read by fmus/native/coupling/blocks.h.
 
-A body that never moves joins nothing: no wrench depends on those that it takes, so each of them is a group of its
-own that is eliminated first.
+A body that never moves has no unknown: no wrench depends on those that it takes.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -27,11 +29,12 @@ Indices = np.ndarray[Any, np.dtype[np.uintp]]
 class Elimination:
     """Tables of indices (unsigned, size of a pointer).
 
-    place (links,): first row of each link's wrench in the order of elimination. begin (groups + 1,): first
-    row of each group. blocks (n, 5): row group, column group, first column, columns, offset in the array of
-    all values, `length` long. lower, upper: blocks by eliminated group, from `*_begin`; targets: the block
-    that each product of both changes. parts (m, 2): offset and stride of the part of the matrix for
-    every connection, port, port again, and port of the first port's body, square with the size of a wrench.
+    place (links,): first row, in the order of elimination, of each link's wrench or of its rigid body; 0 where it
+    has none. begin (groups + 1,): first row of each group. blocks (n, 5): row group, column group, first column,
+    columns, offset in the array of all values, `length` long. lower, upper: blocks by eliminated group, from
+    `*_begin`; targets: the block that each product of both changes. parts (m, 2): offset and stride of the part of
+    the matrix for every connection, port, port again, and port of the first port's body (of a rigid one: once),
+    square with the size of a wrench; none for bodies that never move.
     """
 
     place: Indices
@@ -52,46 +55,37 @@ Range = tuple[int, int]
 class _Pattern:
     """Groups, the neighbours of each, and the columns of a group that another depends on."""
 
-    def __init__(self, meetings: list[PortConnection], width: int, still: Set[int]) -> None:
+    def __init__(self, meetings: list[PortConnection], width: int, still: Set[int], rigid: Set[int]) -> None:
+        moving = [(link, m) for link, m in enumerate(meetings) if m.body not in still]
         bodies_of: dict[int, set[int]] = defaultdict(set)
-        for meeting in meetings:
+        for _, meeting in moving:
             bodies_of[meeting.connection].add(meeting.body)
         members: dict[tuple[int, ...], list[int]] = defaultdict(list)
-        for link, meeting in enumerate(meetings):
-            alone = (-1, link) if meeting.body in still else ()
-            members[alone or tuple(sorted(bodies_of[meeting.connection] - still))].append(link)
-        self.members = [sorted(links, key=lambda i: (meetings[i].body, i)) for links in members.values()]
-        self.sizes = [width * len(links) for links in self.members]
+        for link, m in moving:
+            members[(-1, m.body) if m.body in rigid else tuple(sorted(bodies_of[m.connection]))].append(link)
         ranges: dict[int, dict[int, Range]] = defaultdict(dict)
         self.row: dict[int, Range] = {}
-        for group, links in enumerate(self.members):
-            for position, link in enumerate(links):
-                span = (width * position, width * (position + 1))
-                self.row[link] = (group, span[0])
+        self.sizes = [0] * len(members)
+        for group, links in enumerate(members.values()):
+            for position, link in enumerate(sorted(links, key=lambda i: (meetings[i].body, i))):
                 body = meetings[link].body
+                first = 0 if body in rigid else width * position
+                span = (first, first + width)
+                self.row[link] = (group, first)
+                self.sizes[group] = span[1]
                 ranges[body][group] = _hull(ranges[body].get(group, span), span)
         self.columns: dict[tuple[int, int], Range] = {}
-        self.neighbours: list[set[int]] = [set() for _ in self.members]
-        self.followers: dict[int, set[int]] = {}
-        for group, links in enumerate(self.members):
-            if meetings[links[0]].body in still:
-                around = bodies_of[meetings[links[0]].connection] - still
-                self._follow(group, [ranges[body] for body in around])
-        for body, groups in ranges.items():
-            if body not in still:
-                self._join_all(groups)
+        self.neighbours: list[set[int]] = [set() for _ in self.sizes]
+        for groups in ranges.values():
+            self._join_all(groups, groups)
+        for bodies in bodies_of.values():
+            for body, other in product(bodies & rigid, bodies):
+                self._join_all(ranges[body], ranges[other])
+                self._join_all(ranges[other], ranges[body])
 
-    def _follow(self, group: int, around: list[dict[int, Range]]) -> None:
-        """Let a group on a body that never moves depend on those around; none depends on it."""
-        self.followers[group] = {other for groups in around for other in groups}
-        for groups in around:
-            for other, span in groups.items():
-                key = (group, other)
-                self.columns[key] = _hull(self.columns.get(key, span), span)
-
-    def _join_all(self, groups: dict[int, Range]) -> None:
-        for i in groups:
-            for j, span in groups.items():
+    def _join_all(self, rows: dict[int, Range], columns: dict[int, Range]) -> None:
+        for i in rows:
+            for j, span in columns.items():
                 if i != j:
                     self.join(i, j, span)
 
@@ -103,10 +97,10 @@ class _Pattern:
 
     def eliminate(self) -> list[int]:
         """Fill in what elimination by least degree does, and return its order."""
-        left = set(range(len(self.members))) - set(self.followers)
+        left = set(range(len(self.sizes)))
         queue = [(self._degree(group), group) for group in left]
         heapify(queue)
-        order = list(self.followers)
+        order: list[int] = []
         while queue:
             degree, group = heappop(queue)
             if group not in left or degree != self._degree(group):
@@ -126,12 +120,17 @@ class _Pattern:
         return sum(self.sizes[other] for other in self.neighbours[group])
 
 
-def eliminate(meetings: list[PortConnection], width: int, still: Set[int] = frozenset()) -> Elimination:
+def eliminate(
+    meetings: list[PortConnection],
+    width: int,
+    still: Set[int] = frozenset(),
+    rigid: Set[int] = frozenset(),
+) -> Elimination:
     """Order and tables for the links of a network, in the order of its unknowns.
 
-    width: numbers of a wrench; still: bodies that never move.
+    width: numbers of a wrench; still: bodies that never move; rigid: bodies whose ports move as one, without those.
     """
-    pattern = _Pattern(meetings, width, still)
+    pattern = _Pattern(meetings, width, still, rigid)
     order = pattern.eliminate()
     rank = {group: position for position, group in enumerate(order)}
     begin = np.cumsum([0, *(pattern.sizes[group] for group in order)]).tolist()
@@ -143,12 +142,8 @@ def eliminate(meetings: list[PortConnection], width: int, still: Set[int] = froz
         blocks.append((rank[row], rank[column], first, last - first, length))
         length += pattern.sizes[row] * (last - first)
     later = [sorted(pattern.neighbours[group], key=rank.__getitem__) for group in order]
-    right = [
-        sorted(pattern.followers.get(group, pattern.neighbours[group]), key=rank.__getitem__)
-        for group in order
-    ]
     lower = [[number[(i, group)] for i in others] for group, others in zip(order, later, strict=True)]
-    upper = [[number[(group, i)] for i in others] for group, others in zip(order, right, strict=True)]
+    upper = [[number[(group, i)] for i in others] for group, others in zip(order, later, strict=True)]
     targets = [number[(i, j)] for others in later for i in others for j in others]
 
     def part(row: int, column: int) -> tuple[int, int]:
@@ -158,7 +153,7 @@ def eliminate(meetings: list[PortConnection], width: int, still: Set[int] = froz
 
     lists = [np.cumsum([0, *map(len, each)]) for each in (lower, upper)]
     return Elimination(
-        _indices([begin[rank[group]] + i for group, i in map(pattern.row.__getitem__, range(len(meetings)))]),
+        _indices([_place(pattern, begin, rank, link) for link in range(len(meetings))]),
         _indices(begin),
         _indices(blocks),
         length,
@@ -167,18 +162,27 @@ def eliminate(meetings: list[PortConnection], width: int, still: Set[int] = froz
         _indices(lists[1]),
         _indices([i for each in upper for i in each]),
         _indices(targets),
-        _indices([part(row, column) for row, column in _pairs(meetings, still)]),
+        _indices([part(row, column) for row, column in _pairs(meetings, still, rigid)]),
     )
 
 
-def _pairs(meetings: list[PortConnection], still: Set[int]) -> list[tuple[int, int]]:
+def _place(pattern: _Pattern, begin: Sequence[int], rank: Mapping[int, int], link: int) -> int:
+    if link not in pattern.row:
+        return 0
+    group, first = pattern.row[link]
+    return begin[rank[group]] + first
+
+
+def _pairs(meetings: list[PortConnection], still: Set[int], rigid: Set[int]) -> list[tuple[int, int]]:
     """Row and column links of the matrix, in the order in which connections are added to it."""
     of_body: dict[int, list[int]] = defaultdict(list)
     of_connection: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for link, meeting in enumerate(meetings):
-        if meeting.body not in still:
-            of_body[meeting.body].append(link)
+        if meeting.body in still:
+            continue
         of_connection[meeting.connection].append((meeting.connection_port, link))
+        if not (meeting.body in rigid and of_body[meeting.body]):
+            of_body[meeting.body].append(link)
     found = []
     for connection in sorted(of_connection):
         ports = [link for _, link in sorted(of_connection[connection])]

@@ -112,6 +112,7 @@ def _participants(network: Network) -> dict[str, ArrayLike]:
                 place.slopes or 0,
                 place.moments or 0,
                 float(participant.prescribed_motion),
+                float(participant.constant_mobility and not participant.prescribed_motion),
             )
             for participant, place in zip(network.participants, places, strict=True)
         ],
@@ -123,7 +124,8 @@ def _participants(network: Network) -> dict[str, ArrayLike]:
 
 def _linear_system(network: Network) -> dict[str, ArrayLike]:
     still = frozenset(i for i, body in enumerate(network.bodies) if body.prescribed_motion)
-    order = eliminate(network.meetings, network.width.wrench, still)
+    rigid = frozenset(i for i, body in enumerate(network.bodies) if body.constant_mobility) - still
+    order = eliminate(network.meetings, network.width.wrench, still, rigid)
     first = len(network.bodies)
     return {
         "links": [

@@ -52,30 +52,6 @@ int factorize_blocks(Matrix *m);
 /* Solve in place for a right-hand side in the order of elimination. */
 void solve_blocks(const Matrix *m, double *b);
 
-/* Rows and columns that are taken at once; unknowns come in groups of six. */
-enum { CHUNK = 6 };
-
-/* c -= a b, with a (rows, inner), b (inner, columns), all row by row with the given distances between rows. */
-static INLINE void subtract_product(double *restrict c, size_t c_stride, const double *restrict a, size_t a_stride,
-                                    const double *restrict b, size_t b_stride, size_t rows, size_t inner,
-                                    size_t columns) {
-    const size_t whole = inner - inner % CHUNK;
-    for (size_t i = 0; i < rows; i++) {
-        double *restrict row = c + i * c_stride;
-        const double *s = a + i * a_stride, *t = b;
-        size_t k = 0;
-        for (; k < whole; k += CHUNK, s += CHUNK, t += CHUNK * b_stride) { /* a row of c is loaded and stored once */
-            const double s0 = s[0], s1 = s[1], s2 = s[2], s3 = s[3], s4 = s[4], s5 = s[5];
-            const double *t1 = t + b_stride, *t2 = t1 + b_stride, *t3 = t2 + b_stride, *t4 = t3 + b_stride,
-                         *t5 = t4 + b_stride;
-            for (size_t j = 0; j < columns; j++)
-                row[j] -= (s0 * t[j] + s1 * t1[j] + s2 * t2[j]) + (s3 * t3[j] + s4 * t4[j] + s5 * t5[j]);
-        }
-        for (; k < inner; k++, s++, t += b_stride)
-            for (size_t j = 0; j < columns; j++) row[j] -= *s * t[j];
-    }
-}
-
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

@@ -12,7 +12,8 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* A port of a body and the port of a connection that it meets; place: its rows in the order of elimination. */
+/* A port of a body and the port of a connection that it meets; place: its rows, or those of its rigid body, in the order of
+   elimination. */
 typedef struct {
     size_t body, body_port, connection, connection_port, place;
 } Link;
@@ -51,9 +52,10 @@ typedef struct {
 } History;
 
 /* All that a coupled step works on. Bodies come before connections. Arrays have `size` rows but: steps (most, size),
-   squares (most,), product with room for a connection's rows over a body's columns, watched (watched_count,),
+   squares (most,), product with room for a connection's rows over a body's columns, gathered for a wrench over them, watched (watched_count,),
    observations of all participants in order and a zero, energies (ENERGIES,), energy_rows (ENERGIES, participants): where
-   observations hold them. parts: by connection, its ports, its ports again, the ports of the first port's body. */
+   observations hold them. parts: by connection, its ports, its ports again, the
+   ports of the first port's body, of a rigid one once; without bodies that never move. */
 typedef struct {
     size_t participants, bodies, links, size;
     Width width;
@@ -61,7 +63,7 @@ typedef struct {
     const Link *link;
     const JacobianBlock *mobility, *stiffness;
     const Part *parts;
-    double *wrenches, *accepted, *law, *residual, *scale, *round_off, *steps, *squares, *product, *bend, *noise;
+    double *wrenches, *accepted, *law, *residual, *scale, *round_off, *steps, *squares, *product, *gathered, *bend, *noise;
     double *observations, *energies;
     const size_t *energy_rows;
     const Watched *watched;

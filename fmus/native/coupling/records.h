@@ -4,7 +4,11 @@
    no derivatives of the step just made; port_stiffness: of a connection that has all columns at once, or NULL. inputs,
    outputs: how many are exchanged. slopes, moments: where slopes of wrenches and moments of rates begin beside the
    rest, 0 for none; links: of its ports. turned: a body's mobility (coordinates, wrenches), a connection's stiffness
-   (wrenches, coordinates), of all ports; NULL for a body that never moves. */
+   (wrenches, coordinates), of all ports; NULL for a body that never moves. rigid: of a rigid body, whose ports move as
+   one, NULL for others: what a wrench at its first port moves (coordinates, wrench), then the negative of what all
+   wrenches are there (wrenches, wrench). response: a connection's wrenches on bodies that are rigid or never move, by
+   the unknowns of the bodies at its ports, the negative: for each port that moves and each such port (unknowns,
+   wrench). */
 typedef struct {
     void *component;
     SetReal *set_real;
@@ -31,6 +35,8 @@ typedef struct {
     size_t moments;
     const size_t *links;
     double *turned;
+    double *rigid;
+    double *response;
 } Participant;
 
 /* How far to go (s): to the end of a run, to the next event that has a time, and after which step to pause. fixed_step

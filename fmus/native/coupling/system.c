@@ -2,8 +2,9 @@
 
 #include "system.h"
 
-#include <math.h>
 #include <string.h>
+
+#include "dense_lu.h"
 
 /* m, of positions whose rounding ports have at least: bodies reach beyond their ports, which may lie in the origin */
 #define LEAST_REACH 1.0
@@ -77,24 +78,77 @@ static INLINE void note_round_off(Network *n, const Participant *p, double rate)
     }
 }
 
+/* Whether the wrenches on a body are unknown themselves. */
+static INLINE int is_flexible(const Participant *body) { return body->turned && !body->rigid; }
+
+size_t unknowns_of(const Participant *body, Width width) {
+    return !body->turned ? 0 : body->rigid ? width.wrench : width.wrench * body->ports;
+}
+
+/* What all wrenches on a rigid body are at its first port, behind what those there move. */
+static INLINE double *gathered_by(const Participant *body, Width width) {
+    return body->rigid + width.coordinates * width.wrench * body->ports;
+}
+
+/* Split the mobility of a rigid body; room: for all its wrenches by one. 0 where its first port resists a wrench. */
+static INLINE int split_mobility(const Participant *body, Width width, double *room) {
+    const size_t wrench = width.wrench, columns = wrench * body->ports, rows = width.coordinates * body->ports;
+    double own[4 * WRENCH * WRENCH], *gathered = gathered_by(body, width);
+    size_t pivots[2 * WRENCH];
+    for (size_t i = 0; i < rows; i++)
+        memcpy(body->rigid + i * wrench, body->turned + i * columns, wrench * sizeof(double));
+    memcpy(own, body->rigid, wrench * wrench * sizeof(double));
+    memcpy(room, body->turned, wrench * columns * sizeof(double));
+    if (!factorize(own, wrench, pivots)) return 0;
+    solve_dense(own, wrench, pivots, room, columns);
+    for (size_t j = 0; j < columns; j++)
+        for (size_t i = 0; i < wrench; i++) gathered[j * wrench + i] = -room[i * columns + j];
+    return 1;
+}
+
+/* Add a port's wrench by the unknowns of a body to the matrix; returns the parts not used yet. */
+static INLINE const Part *add_parts(double *values, const Part *part, const double *by, size_t down, size_t right,
+                                    size_t columns, size_t wrench) {
+    for (size_t first = 0; first < columns; first += wrench, part++)
+        for (size_t i = 0; i < wrench; i++)
+            for (size_t j = 0; j < wrench; j++)
+                values[part->offset + i * part->stride + j] += by[i * down + (first + j) * right];
+    return part;
+}
+
 /* Subtract stiffness x mobility of one connection; returns the parts of the matrix not used yet. */
 static INLINE const Part *subtract_connection(Network *n, const Participant *p, size_t used, const Part *part) {
     const Width width = n->width;
     const size_t rows = width.wrench * p->ports, wrench = width.wrench;
+    double *response = p->response;
     for (size_t port = 0; port < p->ports; port++) {
         const Link *l = n->link + p->links[port];
         const Participant *body = n->participant + l->body;
-        const size_t columns = wrench * body->ports;
-        if (!body->turned) continue;
+        const size_t columns = unknowns_of(body, width);
+        if (!columns) continue;
         memset(n->product, 0, rows * columns * sizeof(double));
         subtract_product(n->product, columns, p->turned + width.coordinates * port, width.coordinates * p->ports,
-                         body->turned + width.coordinates * l->body_port * columns, columns, rows, used, columns);
-        for (size_t row = 0; row < rows; row += wrench)
-            for (size_t column = 0; column < columns; column += wrench, part++)
-                for (size_t i = 0; i < wrench; i++)
-                    for (size_t j = 0; j < wrench; j++)
-                        n->matrix.values[part->offset + i * part->stride + j] +=
-                            n->product[(row + i) * columns + column + j];
+                         (body->rigid ? body->rigid : body->turned) + width.coordinates * l->body_port * columns, columns,
+                         rows, used, columns);
+        for (size_t row = 0; row < p->ports; row++) {
+            const Link *on = n->link + p->links[row];
+            const Participant *carrier = n->participant + on->body;
+            const double *by = n->product + row * wrench * columns;
+            if (is_flexible(carrier)) {
+                part = add_parts(n->matrix.values, part, by, columns, 1, columns, wrench);
+                continue;
+            }
+            for (size_t j = 0; j < columns; j++)
+                for (size_t i = 0; i < wrench; i++) response[j * wrench + i] = by[i * columns + j];
+            if (carrier->turned) {
+                memset(n->gathered, 0, columns * wrench * sizeof(double));
+                subtract_product(n->gathered, wrench, response, wrench,
+                                 gathered_by(carrier, width) + on->body_port * wrench * wrench, wrench, columns, wrench,
+                                 wrench);
+                part = add_parts(n->matrix.values, part, n->gathered, 1, wrench, columns, wrench);
+            }
+            response += columns * wrench;
+        }
     }
     return part;
 }
@@ -103,6 +157,7 @@ VECTORISED void system_assemble(Network *n) {
     Matrix *m = &n->matrix;
     const Width width = n->width;
     const size_t used = coordinates_used(n);
+    n->singular = 0;
     for (size_t i = 0; i < n->participants; i++) {
         const Participant *p = n->participant + i;
         if (!p->turned) continue; /* a body that never moves */
@@ -112,6 +167,7 @@ VECTORISED void system_assemble(Network *n) {
         else if (!participant_stiffness_at_once(p, width, p->turned))
             turn(n->stiffness + i - n->bodies, p->input, width.wrench * p->ports, width.coordinates * p->ports, 1, 1,
                  p->turned);
+        if (i < n->bodies && p->rigid) n->singular |= !split_mobility(p, width, n->product);
     }
     memset(m->values, 0, m->length * sizeof(double));
     for (size_t g = 0; g < m->groups; g++) {
@@ -125,7 +181,24 @@ VECTORISED void system_assemble(Network *n) {
         note_round_off(n, n->participant + i, rate);
         part = subtract_connection(n, n->participant + i, used, part);
     }
-    n->singular = !factorize_blocks(m);
+    n->singular |= !factorize_blocks(m);
+}
+
+/* Add what the unknowns do to a connection's wrenches on bodies that are rigid or never move. */
+static INLINE void take_responses(const Network *n, const Participant *p, double *result) {
+    const size_t wrench = n->width.wrench;
+    const double *response = p->response;
+    for (size_t port = 0; port < p->ports; port++) {
+        const Link *l = n->link + p->links[port];
+        const Participant *body = n->participant + l->body;
+        const size_t columns = unknowns_of(body, n->width);
+        const double *known = body->rigid ? n->matrix.ordered + l->place : result + wrench * body->links[0];
+        for (size_t row = 0; row < p->ports && columns; row++) {
+            if (is_flexible(n->participant + n->link[p->links[row]].body)) continue;
+            subtract_row(result + wrench * p->links[row], known, response, wrench, columns, wrench);
+            response += columns * wrench;
+        }
+    }
 }
 
 VECTORISED void system_direction(const Network *n, const double *residual, double *result) {
@@ -135,11 +208,23 @@ VECTORISED void system_direction(const Network *n, const double *residual, doubl
     }
     const Matrix *m = &n->matrix;
     const size_t wrench = n->width.wrench;
-    for (size_t i = 0; i < n->links; i++)
-        memcpy(m->ordered + n->link[i].place, residual + wrench * i, wrench * sizeof(double));
+    memset(m->ordered, 0, m->size * sizeof(double));
+    for (const Participant *body = n->participant; body < n->participant + n->bodies; body++) {
+        if (!body->turned || !body->ports) continue;
+        const double *own = residual + wrench * body->links[0];
+        if (body->rigid)
+            subtract_row(m->ordered + n->link[body->links[0]].place, own, gathered_by(body, n->width), wrench,
+                         wrench * body->ports, wrench);
+        for (size_t port = 0; port < body->ports && !body->rigid; port++)
+            memcpy(m->ordered + n->link[body->links[port]].place, own + wrench * port, wrench * sizeof(double));
+    }
     solve_blocks(m, m->ordered);
-    for (size_t i = 0; i < n->links; i++)
-        memcpy(result + wrench * i, m->ordered + n->link[i].place, wrench * sizeof(double));
+    for (size_t i = 0; i < n->links; i++) {
+        const int solved = is_flexible(n->participant + n->link[i].body);
+        memcpy(result + wrench * i, solved ? m->ordered + n->link[i].place : residual + wrench * i,
+               wrench * sizeof(double));
+    }
+    for (size_t i = n->bodies; i < n->participants; i++) take_responses(n, n->participant + i, result);
 }
 
 void system_turn_bodies(Network *n) {

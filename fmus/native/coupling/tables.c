@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "convergence.h"
+#include "dense_lu.h"
+#include "system.h"
 
 const size_t *whole_numbers(const Data *data, const char *name, size_t *count, Memory *memory, Reason *why) {
     const double *numbers = data_any(data, name, count, why);
@@ -87,7 +89,8 @@ static int read_sizes(Coupling *c, const Data *data, size_t count, Reason *why) 
     return 1;
 }
 
-/* One participant. numbers: inputs and outputs exchanged, ports, where slopes and moments begin, whether it never moves. */
+/* One participant. numbers: inputs and outputs exchanged, ports, where slopes and moments begin, whether it never moves,
+   and whether it does as a rigid body. */
 static int create_participant(Network *n, size_t i, const Participant *given, const size_t *numbers, Memory *memory,
                               Reason *why) {
     Participant *p = n->participant + i;
@@ -105,14 +108,16 @@ static int create_participant(Network *n, size_t i, const Participant *given, co
         (p->slopes && p->slopes + wrenches > (is_body ? p->inputs : p->outputs)) ||
         (p->moments && p->moments + moments > (is_body ? p->outputs : p->inputs)))
         return refuse(why, "participant %lu has no room for its ports", (unsigned long)i + 1);
-    const size_t size = n->width.wrench * n->width.coordinates * p->ports * p->ports;
-    p->turned = numbers[5] ? NULL : room_for(size, memory, why);
-    return numbers[5] || p->turned;
+    const Width width = n->width;
+    const int never_moves = numbers[5] != 0, is_rigid = numbers[6] != 0;
+    p->turned = never_moves ? NULL : room_for(width.wrench * width.coordinates * p->ports * p->ports, memory, why);
+    p->rigid = is_rigid ? room_for((width.wrench + width.coordinates) * width.wrench * p->ports, memory, why) : NULL;
+    return (never_moves || p->turned) && (!is_rigid || p->rigid);
 }
 
 /* Participants with their ports, and what they share. */
 static int create_participants(Coupling *c, const Data *data, const Participant *given, Memory *memory, Reason *why) {
-    enum { COLUMNS = 6 };
+    enum { COLUMNS = 7 };
     Network *n = &c->network;
     size_t links = 0, most = 0, first = 0;
     const size_t *table = counted_numbers(data, "participants", COLUMNS * n->participants, memory, why);
@@ -156,7 +161,7 @@ static int are_within(const Matrix *m) {
         if (block->row_group >= m->groups || block->column_group >= m->groups) return 0;
         const size_t rows = m->begin[block->row_group + 1] - m->begin[block->row_group];
         const size_t columns = m->begin[block->column_group + 1] - m->begin[block->column_group];
-        if (block->first > columns || block->columns > columns - block->first || block->offset > m->length ||
+        if (rows % CHUNK || block->columns % CHUNK || block->first > columns || block->columns > columns - block->first || block->offset > m->length ||
             rows * block->columns > m->length - block->offset)
             return 0;
         if (k < m->groups && (block->row_group != k || block->column_group != k || block->columns != rows)) return 0;
@@ -177,6 +182,29 @@ static int are_parts_within(const Part *part, size_t count, size_t width, size_t
     for (size_t i = 0; i < count; i++) {
         if (part[i].stride > length || part[i].offset > length) return 0;
         if ((width - 1) * part[i].stride + width > length - part[i].offset) return 0;
+    }
+    return 1;
+}
+
+/* How many parts of the matrix connections are added to. */
+static size_t parts_of(const Network *n) {
+    size_t parts = 0;
+    for (const Participant *p = n->participant + n->bodies; p < n->participant + n->participants; p++)
+        for (size_t i = 0; i < p->ports * p->ports; i++) {
+            const Participant *row = n->participant + n->link[p->links[i / p->ports]].body;
+            const Participant *column = n->participant + n->link[p->links[i % p->ports]].body;
+            if (row->turned) parts += unknowns_of(column, n->width) / n->width.wrench;
+        }
+    return parts;
+}
+
+/* Whether links join ports that there are, and the unknowns of all bodies have rows. */
+static int are_links_sound(const Network *n, size_t size) {
+    for (const Link *l = n->link; l < n->link + n->links; l++) {
+        if (l->body >= n->bodies || l->connection < n->bodies || l->connection >= n->participants) return 0;
+        const Participant *body = n->participant + l->body, *connection = n->participant + l->connection;
+        if (l->body_port >= body->ports || l->connection_port >= connection->ports) return 0;
+        if (body->turned && l->place + n->width.wrench > size) return 0;
     }
     return 1;
 }
@@ -202,16 +230,17 @@ static int create_network(Coupling *c, const Data *data, Memory *memory, Reason 
     if (!m->lower_begin || !m->upper_begin || !n->energy_rows) return 0;
     m->groups = groups - 1;
     m->block_count = blocks / 5;
-    m->size = n->size;
+    m->size = m->begin[m->groups];
     m->length = *length;
-    if (!rise_to(m->begin, m->groups, n->size) || !rise_to(m->lower_begin, m->groups, lower) ||
+    if (m->size > n->size || !rise_to(m->begin, m->groups, m->size) || !rise_to(m->lower_begin, m->groups, lower) ||
         !rise_to(m->upper_begin, m->groups, upper) || !are_within(m) || pairs_of(m) != targets ||
         !are_below(m->targets, targets, 1, m->block_count) || !are_below(m->lower, lower, 1, m->block_count) ||
         !are_below(m->upper, upper, 1, m->block_count) ||
-        !are_parts_within(n->parts, parts / 2, n->width.wrench, m->length) || !are_below(link, n->links, 5, n->bodies) ||
-        !are_below(link + 2, n->links, 5, n->participants) || !are_below(link + 4, n->links, 5, n->size))
+        !are_parts_within(n->parts, parts / 2, n->width.wrench, m->length))
         return refuse(why, "the tables of the matrix are damaged");
     n->link = (const Link *)link;
+    if (!are_links_sound(n, m->size) || parts_of(n) != parts / 2)
+        return refuse(why, "the tables of the matrix do not fit the network");
     for (size_t i = 0; i < n->participants; i++) {
         const size_t rows = n->width.wrench * n->participant[i].ports;
         for (size_t k = 0; k < n->participants; k++) {
@@ -219,17 +248,25 @@ static int create_network(Coupling *c, const Data *data, Memory *memory, Reason 
             largest = room > largest ? room : largest;
         }
     }
+    for (Participant *p = n->participant + n->bodies; p < n->participant + n->participants; p++) {
+        size_t unknowns = 0;
+        for (size_t port = 0; port < p->ports; port++)
+            unknowns += unknowns_of(n->participant + n->link[p->links[port]].body, n->width);
+        p->response = room_for(unknowns * n->width.wrench * p->ports, memory, why);
+        if (!p->response) return 0;
+    }
     double **arrays[] = {&n->wrenches, &n->law, &n->residual, &n->scale, &n->round_off, &n->bend, &n->noise, &m->ordered};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (!(*arrays[i] = room_for(n->size, memory, why))) return 0;
     n->steps = room_for((MOST_ITERATIONS + 1) * n->size, memory, why);
     n->squares = room_for(MOST_ITERATIONS + 1, memory, why);
     n->product = room_for(largest, memory, why);
+    n->gathered = room_for(largest, memory, why);
     n->energies = room_for(ENERGIES, memory, why);
     m->values = room_for(m->length, memory, why);
     m->transposed = room_for(m->length, memory, why);
     m->pivots = allocate(memory, (n->size + 1) * sizeof(size_t));
-    return n->steps && n->squares && n->product && n->energies && m->values && m->transposed && m->pivots;
+    return n->steps && n->squares && n->product && n->gathered && n->energies && m->values && m->transposed && m->pivots;
 }
 
 enum { LEAST_KEPT_SIZES = 12, MOST_KEPT_SIZES = 64, MOST_KEPT_NUMBERS = 1 << 22 };
