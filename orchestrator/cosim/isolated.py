@@ -78,6 +78,8 @@ class IsolatedFmu:
         content = _MEMORY.get(name)
 
         def call(_: object, *arguments: Any) -> int:  # noqa: ANN401
+            if self.failure is not None and not isinstance(self.failure, HostError):
+                return int(fmi2Fatal)  # it was interrupted
             try:
                 return self._call(name, content(*arguments) if content else arguments)
             except BaseException as error:  # which would be lost on its way through C

@@ -11,6 +11,7 @@ from ctypes import CFUNCTYPE, Structure, addressof, c_double, c_int, c_size_t, c
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
+from fmpy.fmi2 import fmi2Error, fmi2Fatal, fmi2OK
 
 from components import REGISTRY, Component, ComponentError, FanfoldError, Instance, Layout
 from fmus.native.records import structure
@@ -116,7 +117,6 @@ def first_observations(participants: Iterable[Participant]) -> dict[str, int]:
     return firsts
 
 
-_STATUS_ERROR = 3
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "set_real": (c_void_p, c_size_t, c_void_p),
     "get_real": (c_void_p, c_size_t, c_void_p),
@@ -134,6 +134,7 @@ class Callbacks:
     def __init__(self, participant: Participant) -> None:
         self._participant = participant
         self._failure: BaseException | None = None
+        self._is_over = False
         self._saved = c_void_p()
         self.record = record = ParticipantRecord()
         outputs, observations = participant.outputs, participant.observation_layout.size
@@ -159,12 +160,17 @@ class Callbacks:
 
     def _function(self, name: str, call: Callable[..., object]) -> Any:  # noqa: ANN401 - of ctypes
         def called(_: object, *arguments: Any) -> int:  # noqa: ANN401
+            if self._is_over:
+                return int(fmi2Fatal)
             try:
                 call(*arguments)
-            except BaseException as error:  # which would be lost on its way through C
+            except ParticipantError as error:
                 self._failure = error
-                return _STATUS_ERROR
-            return 0
+                return int(fmi2Error)
+            except BaseException as error:  # which would be lost on its way through C
+                self._failure, self._is_over = error, True
+                return int(fmi2Fatal)
+            return int(fmi2OK)
 
         return CFUNCTYPE(c_int, c_void_p, *_FUNCTIONS[name])(called)
 

@@ -37,6 +37,7 @@ static int stop_short(Coupling *c, int failure) {
 /* After a step that cannot stand: set a smaller one, at least so long as a share of the smallest; failure: what to report
    where there is none. Who gave the size of a step, `of_plan`, has to give another one. */
 static int reject(Coupling *c, double share, int of_plan, int failure) {
+    if (failure == OF_PARTICIPANT && is_fatal(&c->network)) return stop_short(c, failure);
     if (c->request.plan) {
         coupling_fails(c, failure);
         return of_plan;

@@ -81,6 +81,8 @@ enum { RESTORE, SET, STEP, GET, FINITE, SAVE, OBSERVE, OBSERVED };
 
 /* Functions that return 1, or 0 where a participant fails: who failed in what is noted. */
 int network_fail(Network *n, size_t participant, size_t call, int status);
+/* Whether the participant that failed last will do so whatever is tried. */
+static inline int is_fatal(const Network *n) { return n->failed_status >= FMI_FATAL; }
 /* One participant from its saved state through the step. */
 int network_step_one(Network *n, size_t participant);
 /* Bodies under the wrenches, then connections over the motions, all from their saved states over h from a time. */

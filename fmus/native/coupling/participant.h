@@ -11,7 +11,7 @@
 #endif
 
 enum { WRENCH = 6, POSE = 6, RATES = 6, MOMENTS = 6, MOTION = 13 };
-enum { FMI_WARNING = 1 };
+enum { FMI_WARNING = 1, FMI_FATAL = 4 };
 
 typedef int SetReal(void *, const unsigned *, size_t, const double *);
 typedef int GetReal(void *, const unsigned *, size_t, double *);

@@ -54,11 +54,10 @@ static int make_impulse(Sequence *s, double h) {
     return 1;
 }
 
-/* Take note of the time and the rate at which a line latches. */
-static void note_latch_up(Sequence *s, size_t line) {
+/* Take note of the rate at which a line latches. */
+static void note_latch_rate(Sequence *s, size_t line) {
     const Coupling *c = &s->coupling;
     const size_t sensor = c->line[line].hinge[(size_t)*c->line[line].sensor];
-    s->latch_time[line] = c->progress.time;
     s->latch_rate[line] = fabs(c->network.observations[s->angular_rate[sensor]]);
 }
 
@@ -68,7 +67,7 @@ static void join_locks(Sequence *s, double mark) {
     for (size_t k = 0; k < c->lines; k++)
         if (c->pending[k] == mark && c->line[k].is_kinematic) {
             c->pending[k] = LOCKING;
-            note_latch_up(s, k);
+            note_latch_rate(s, k);
         }
 }
 
@@ -76,9 +75,11 @@ static void join_locks(Sequence *s, double mark) {
 static double engage(Sequence *s, size_t line) {
     Coupling *c = &s->coupling;
     double size = coupling_engage(c, line, 1);
+    s->latch_time[line] = c->progress.time;
     for (size_t k = 0; k < c->lines; k++)
         if (c->pending[k] == LOCKING) {
             c->pending[k] = 0.0;
+            s->latch_time[k] = c->progress.time;
             size = fmin(size, coupling_engage(c, k, 1));
         }
     return size;
@@ -90,7 +91,7 @@ static int latch_line(Sequence *s, size_t line, double mark) {
     const int is_kinematic = c->line[line].is_kinematic != 0;
     c->pending[line] = 0.0;
     if (!network_observe(&c->network)) return 0;
-    note_latch_up(s, line);
+    note_latch_rate(s, line);
     if (is_kinematic) join_locks(s, mark);
     /* bushings leave the joints rates of the order H^2; the latch must meet joints that move as such */
     if (is_kinematic ? !make_impulse(s, INSTANT) : !coupling_note_roughness(c, instant_now(s))) return 0;

@@ -215,7 +215,7 @@ int solve(Solver *s, double time, double h, const double *guess) {
     Network *n = s->network;
     memcpy(n->wrenches, guess, n->size * sizeof(double));
     int status = attempt(s, iterate, time, h);
-    if (status == CONVERGED) return status;
+    if (status == CONVERGED || (status == REFUSED && is_fatal(n))) return status;
     forget_stiffnesses(s);
     jacobian_of(n, &s->jacobians, h)->bodies_outdated = 1;
     if (status != NOT_CONVERGED || !is_near(n)) memcpy(n->wrenches, guess, n->size * sizeof(double));
