@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from fmus import native_library
 from tests.references.coupled_step import Step, bend
 from tests.references.coupling_parts import call
-
-pytestmark = pytest.mark.skipif(native_library() is None, reason="no C compiler")
 
 COEFFICIENTS = np.random.default_rng(1).normal(size=(6, 5))
 SIZES = (0.1, 0.3, 0.2, 0.25)

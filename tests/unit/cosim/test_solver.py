@@ -370,7 +370,6 @@ def largest(result, unit):
 
 
 @needs_native
-@pytest.mark.thorough
 def test_corrections_that_take_each_other_back_are_halved():
     """Newton's method goes to and fro between friction that sticks and that slides, and steps are given up for it.
 
