@@ -19,7 +19,7 @@ from orchestrator.cosim.coupling import Coupling
 from orchestrator.cosim.elimination import eliminate
 from orchestrator.cosim.energy_balance import energy_rows
 from orchestrator.cosim.network import Network
-from orchestrator.cosim.participant import InProcess, in_process
+from orchestrator.cosim.participant import InProcess, ParticipantError, in_process
 from orchestrator.cosim.settings import Settings
 from orchestrator.cosim.tables import coupling_tables
 from orchestrator.run.run import as_fmus, run
@@ -224,6 +224,34 @@ def test_bodies_that_never_move_join_nothing():
 
 def wing():
     return assemble(load_scene(find_scene("amos3")), rigid={"all"})
+
+
+@needs_native
+def test_damaged_tables_are_refused():
+    """Bad input: FMUs of scenes carry them. A number that is none, negative or beyond all, or one that is missing."""
+    assembly = wing()
+    network = Network(in_process(assembly.parts), assembly.links, 4)
+    tables = coupling_tables(network, assembly.hinge_lines, [], Settings())
+    sound = {name: np.asarray(values, dtype=float).ravel() for name, values in tables.items()}
+    numbers = {
+        "scene",
+        "by_tolerance",
+        "constant_mobility",
+        "matrix_length",
+        "latch_distance",
+        "latch_command",
+    }
+    for name, values in sound.items():
+        if name in numbers or not values.size:
+            continue
+        for wrong in (np.nan, -1.0, 1e7):
+            damaged = {**sound, name: np.append(wrong, values[1:])}
+            with pytest.raises(ParticipantError):
+                Coupling(network, damaged, Record(network))
+        del damaged[name]
+        with pytest.raises(ParticipantError):
+            Coupling(network, damaged, Record(network))
+    Coupling(network, sound, Record(network))
 
 
 _DERIVATIVE = CFUNCTYPE(c_int, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_void_p)
