@@ -9,9 +9,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
-from fmus.native.compile import FLAGS, HERE, compile_files, suffix
+from fmus.native.compile import FLAGS, HERE, compile_files, compiler, suffix
 from orchestrator.cosim.coupling import Coupling
 
 _SOURCE = Path(__file__).with_suffix(".c")
@@ -28,6 +29,8 @@ _RESULTS: dict[str, Any] = {
 
 @cache
 def _library() -> CDLL:
+    if compiler() is None:
+        pytest.skip("there is no C compiler")
     folder = TemporaryDirectory()
     target = Path(folder.name) / f"parts{suffix()}"
     folders = {f"-I{path.parent}" for path in HERE.rglob("*.h")}

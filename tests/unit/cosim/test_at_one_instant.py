@@ -79,17 +79,6 @@ def test_mirrored_twins_lock_in_one_impulse():
     assert np.max(rates) < 1e-6 * np.max(np.abs(run["hinge_a", "angular_rate"][:]))
 
 
-@needs_native
-@pytest.mark.parametrize("kind", ["spring", "kinematic"])
-def test_twins_as_one_fmu(tmp_path, kind):
-    """The master in C does what the one in Python does."""
-    expected = fanfold.simulate(twins(kind), estimate=False).latch_times
-    (path,) = fanfold.export(twins(kind), tmp_path, as_one=True)
-    host = Host(path).start().to(2.5, 0.1)
-    found = {name: host[f"{name}.latch_time"] for name in SIDES}
-    assert found == pytest.approx(expected, abs=4e-7)  # impulses take 1e-7 s, before or after what is told
-
-
 def test_an_event_at_the_angle_of_a_latch(tmp_path):
     """A condition that is met where a latch engages: both act, and what one does holds for the other as well."""
     event = {

@@ -7,7 +7,6 @@ import shutil
 import sys
 import zipfile
 from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -122,22 +121,6 @@ def test_observation_that_is_no_number(tmp_path):
     sentence = error_of(run_with, tmp_path, "observation")
     assert "brake: observation dissipated_energy" in sentence
     assert_readable_up_to_the_fault(tmp_path / "run.h5")
-
-
-def test_observation_that_is_no_number_to_the_native_solver(tmp_path):
-    """The same where the compiled library reads it."""
-    assembly = scene(tmp_path)
-    brake = FmuParticipant("brake", faulty_fmu(tmp_path, assembly, "observation"))
-
-    @contextmanager
-    def load(_):
-        others = replace(assembly, parts=tuple(p for p in assembly.parts if p.name != "brake"))
-        with as_fmus(others) as found, ExitStack() as stack:
-            stack.callback(brake.close)
-            yield [*found, brake]
-
-    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), END, load=load)
-    assert "brake: observation dissipated_energy" in sentence
 
 
 def test_observation_of_a_component_that_is_no_number(tmp_path):

@@ -80,7 +80,6 @@ def test_what_a_component_raises_comes_out_as_it_is(error, where):
     assert run.master.time <= FAILS_AT + 1e-9
 
 
-@pytest.mark.xfail(reason="smaller steps are made after it")
 @pytest.mark.parametrize("where", ["step", "outputs"])
 def test_an_interruption_comes_out_though_it_comes_once(where):
     error = KeyboardInterrupt()

@@ -19,7 +19,7 @@ from orchestrator.cosim.coupling import Coupling
 from orchestrator.cosim.elimination import eliminate
 from orchestrator.cosim.energy_balance import energy_rows
 from orchestrator.cosim.network import Network
-from orchestrator.cosim.participant import InProcess, in_process
+from orchestrator.cosim.participant import InProcess, ParticipantError, in_process
 from orchestrator.cosim.settings import Settings
 from orchestrator.cosim.tables import coupling_tables
 from orchestrator.run.run import as_fmus, run
@@ -39,8 +39,8 @@ class Ported(Component, registered=False):
 
     kind = "ported"
 
-    def __init__(self, side, ports, *, still=False):
-        self.prescribed_motion = still
+    def __init__(self, side, ports, *, still=False, rigid=False):
+        self.prescribed_motion, self.constant_mobility = still, rigid
         self._declare({}, [Port(f"p{k}", side) for k in range(ports)])
 
     def prepare(self, p):
@@ -63,7 +63,7 @@ class Ported(Component, registered=False):
         return cls("body", 1)
 
 
-def wired(bodies, connections, order=2, still=()):
+def wired(bodies, connections, order=2, still=(), rigid=()):
     """Participants without equations, joined as said: connections are tuples of the bodies at their ports."""
     counts: Counter[int] = Counter()
     links = []
@@ -71,7 +71,7 @@ def wired(bodies, connections, order=2, still=()):
         for side, body in enumerate(ends):
             links.append(Link((f"body{body}", f"p{counts[body]}"), (f"connection{number}", f"p{side}")))
             counts[body] += 1
-    made = {f"body{b}": Ported("body", counts[b], still=b in still) for b in range(bodies)}
+    made = {f"body{b}": Ported("body", counts[b], still=b in still, rigid=b in rigid) for b in range(bodies)}
     made |= {f"connection{c}": Ported("connection", len(ends)) for c, ends in enumerate(connections)}
     return Network([InProcess(name, component) for name, component in made.items()], links, order)
 
@@ -99,6 +99,12 @@ class LinearSystem:
         shapes = [(coordinates * p.ports, wrench * p.ports) for p in network.body_places]
         shapes += [(wrench * p.ports, coordinates * p.ports) for p in network.connection_places]
         self.matrices = [rng.standard_normal(shape) for shape in shapes]
+        for number, body in enumerate(network.bodies):
+            rows, columns = shapes[number]
+            if body.constant_mobility:  # its ports move as one
+                self.matrices[number] = rng.standard_normal((rows, wrench)) @ rng.standard_normal(
+                    (wrench, columns)
+                )
         self._axes = [np.linalg.qr(rng.standard_normal((3, 3)))[0] for _ in shapes]
 
     def residual(self):
@@ -128,6 +134,15 @@ class LinearSystem:
         return np.linalg.solve(dense, residual)
 
 
+def assert_alike(system):
+    """The correction of a residual is that of the dense matrix."""
+    residual = system.residual()
+    expected = system.expected(residual)
+    np.testing.assert_allclose(
+        system.correction(residual), expected, rtol=0.0, atol=1e-7 * np.abs(expected).max()
+    )
+
+
 def chain(length):
     return wired(length, [(k, k + 1) for k in range(length - 1)])
 
@@ -145,18 +160,19 @@ NETWORKS = {
 
 @needs_native
 @pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize("still", [(), (0,), (0, 1)])
+@pytest.mark.parametrize(
+    ("still", "rigid"), [((), ()), ((0,), ()), ((0, 1), ()), ((), (0,)), ((0,), (1,)), ((), range(7))]
+)
 @pytest.mark.parametrize("name", NETWORKS)
-def test_linear_system_of_any_network(name, still, order):
+def test_linear_system_of_any_network(name, still, rigid, order):
     """Independent path: the correction is that of a dense matrix.
 
-    Bodies that never move leave the elimination, not the solution.
+    Bodies that never move leave the elimination, and rigid ones all but one wrench, not the solution.
     """
-    system = LinearSystem(wired(*NETWORKS[name], order, still))
+    system = LinearSystem(wired(*NETWORKS[name], order, still, rigid))
     for body in still:
         system.matrices[body][:] = 0.0
-    residual = system.residual()
-    np.testing.assert_allclose(system.correction(residual), system.expected(residual), rtol=1e-7, atol=1e-9)
+    assert_alike(system)
 
 
 @needs_native
@@ -166,8 +182,7 @@ def test_matrices_of_poses_alone(order):
     system = LinearSystem(wired(*NETWORKS["parallel hinges"], order))
     for matrix in system.matrices[len(system.network.bodies) :]:
         matrix.reshape(len(matrix), -1, system.network.width.coordinates)[:, :, -6:] = 0.0
-    residual = system.residual()
-    np.testing.assert_allclose(system.correction(residual), system.expected(residual), rtol=1e-7, atol=1e-9)
+    assert_alike(system)
 
 
 @needs_native
@@ -209,6 +224,34 @@ def test_bodies_that_never_move_join_nothing():
 
 def wing():
     return assemble(load_scene(find_scene("amos3")), rigid={"all"})
+
+
+@needs_native
+def test_damaged_tables_are_refused():
+    """Bad input: FMUs of scenes carry them. A number that is none, negative or beyond all, or one that is missing."""
+    assembly = wing()
+    network = Network(in_process(assembly.parts), assembly.links, 4)
+    tables = coupling_tables(network, assembly.hinge_lines, [], Settings())
+    sound = {name: np.asarray(values, dtype=float).ravel() for name, values in tables.items()}
+    numbers = {
+        "scene",
+        "by_tolerance",
+        "constant_mobility",
+        "matrix_length",
+        "latch_distance",
+        "latch_command",
+    }
+    for name, values in sound.items():
+        if name in numbers or not values.size:
+            continue
+        for wrong in (np.nan, -1.0, 1e7):
+            damaged = {**sound, name: np.append(wrong, values[1:])}
+            with pytest.raises(ParticipantError):
+                Coupling(network, damaged, Record(network))
+        del damaged[name]
+        with pytest.raises(ParticipantError):
+            Coupling(network, damaged, Record(network))
+    Coupling(network, sound, Record(network))
 
 
 _DERIVATIVE = CFUNCTYPE(c_int, c_void_p, c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_void_p)
@@ -355,7 +398,6 @@ def largest(result, unit):
 
 
 @needs_native
-@pytest.mark.thorough
 def test_corrections_that_take_each_other_back_are_halved():
     """Newton's method goes to and fro between friction that sticks and that slides, and steps are given up for it.
 

@@ -16,7 +16,6 @@ from orchestrator.scene import load_scene
 from tests.references.coupled import mastered
 from tests.references.coupling_parts import call
 from tests.references.native_fmus import needs_native
-from tests.unit.run.as_one.host import Host
 
 HEAVY_AND_LIGHT = """
 [scene]
@@ -128,20 +127,6 @@ def elbow_force(scene, tolerance):
 def test_loads_of_a_light_body_that_strikes_are_resolved(scene):
     """Convergence, to ten tolerances. Regression: steps over the pulse, 22 % too low."""
     assert elbow_force(scene, 1e-3) == pytest.approx(elbow_force(scene, 1e-5), rel=1e-2)
-
-
-@needs_native
-def test_one_fmu_makes_the_same_steps(scene, tmp_path):
-    (path,) = fanfold.export(scene, tmp_path, as_one=True)
-    found = fanfold.simulate(scene, estimate=False)
-    host = Host(path).start().to(4.0, 0.05)
-    assert host["steps"] == pytest.approx(found.costs["steps"], abs=3)
-    peaks = {
-        number.of: number.value
-        for number in found.headline.numbers()
-        if number.quantity == "stop torque peak"
-    }
-    assert host["elbow_stop.stop_torque_peak"] == pytest.approx(peaks["elbow_stop"], rel=1e-5)
 
 
 @needs_native

@@ -79,14 +79,6 @@ def test_communication_steps_change_no_bit(path):
         assert found[0][hosts[0].outputs.index("HL.latch_time") - 2] == hosts[2]["HL.latch_time"]
 
 
-def test_the_rate_at_latch_up_is_that_of_the_run(path):
-    """0 before, then for good the headline number of the same scene in Python, another master."""
-    expected = fanfold.simulate(latching(), estimate=False).headline
-    host = Host(path).start().to(expected.latch_times["HL"] - 0.01, 0.01)
-    assert host["HL.latch_rate"] == 0.0
-    assert host.to(2.0, 0.01)["HL.latch_rate"] == pytest.approx(expected.latch_rates["HL"], rel=1e-6)
-
-
 @pytest.mark.parametrize("way", ["restored", "serialised"])
 def test_a_state_leads_to_the_same_bits_across_latch_up(path, way):
     """Saved just before latch-up: who goes on, who comes back, and who reads the bytes in another instance."""
