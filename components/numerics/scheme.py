@@ -17,7 +17,7 @@ INSTANT_SHARE = 1e-3
 """Of the step after an event, for loads just after it; a hundredth still showed in a peak of damping."""
 AGAIN = 5e-8
 """Step (s) of the impulse that takes what a latch impulse leaves: its size over the numerical inertia of a lock."""
-AGAIN_ITERATED = 1e-4
+AGAIN_ITERATED = 1e-8
 """Relative tolerance of the iteration in that impulse, which rounding of the one before goes into."""
 IMPULSE_ITERATED = 1e-10
 """Relative tolerance of the iteration in an impulse."""
