@@ -204,7 +204,8 @@ static int computed_of(const Instance *instance, uint32_t first, uint32_t last) 
 }
 
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values) {
-    Reason why = {""};
+    Reason why;
+    *why.text = '\0'; /* alone: to clear all of it takes long */
     int computed = 0;
     const int one_range = contiguous(references, count) && references[count - 1] < instance->ends[4];
     if (one_range)
@@ -238,7 +239,8 @@ static int step_kernel(Instance *instance, double *h, int to_event, int *due, do
 /* One step; instance->time is its start already; stands_at (s): where the state is. */
 static Status make_step(Instance *instance, double stands_at, double *step_size, int to_event, int *due) {
     const double h = *step_size;
-    Reason why = {""};
+    Reason why;
+    *why.text = '\0'; /* alone: to clear all of it takes long */
     double *next = instance->before;
     if (instance->mode != MODE_STEP)
         return instance_fail(instance, STATUS_ERROR, "%s",
