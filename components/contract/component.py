@@ -24,7 +24,7 @@
    A component that an outer solver may integrate declares the unit of the rate of its `continuous` states and gives,
    where they differ from the defaults, four functions more (`complete`, `rates`, `indicators`, `update`).
    A body whose motion answers its wrenches alike in every configuration, in axes that turn with it, says so by
-   `constant_mobility`: the master then differentiates it once for every step size, others anew where steps fail.
+   `constant_mobility`: the master then differentiates it once, others for every step size and anew where steps fail.
 4. Give `example()`: a small instance that the tests over the registry run.
 5. For native FMUs write the same equations once more in C, one file in `fmus/native/kernels`; `kernel.h` beside it says
    how, and give `native_data()`; without them the component is exported as a PythonFMU. `python -m fmus.native` writes

@@ -19,14 +19,13 @@ class Record:
 
     network: Network
     times: list[float] = field(default_factory=list)
-    rows: list[list[Vector]] = field(default_factory=list)
+    rows: list[Vector] = field(default_factory=list)
     events: list[tuple[float, str, str]] = field(default_factory=list)
 
     def extend(self, times: Vector, rows: Vector) -> None:
         """Keep copies."""
-        sizes = [recorded_layout(part.observation_layout).size for part in self.network.participants]
         self.times += times.tolist()
-        self.rows += [np.split(row, np.cumsum(sizes)) for row in rows]
+        self.rows += list(rows)
 
     def event(self, time: float, component: str, text: str) -> None:
         """Keep it."""
@@ -37,10 +36,11 @@ class Record:
         parts = [*self.network.bodies, *self.network.connections]
         i = [part.name for part in parts].index(participant)
         where = parts[i].observation_layout[observation]
-        values = np.array([row[i][where] for row in self.rows])
+        first = sum(recorded_layout(part.observation_layout).size for part in parts[:i])
+        values = np.array(self.rows)[:, first + where.start : first + where.stop]
         return values[:, 0] if values.shape[1] == 1 else values
 
     def scene(self, channel: str) -> Vector:
         """A scene channel over time, (N,)."""
         place = [name for name, _, _ in SCENE_CHANNELS].index(channel)
-        return np.array([row[-1][place] for row in self.rows])
+        return np.array(self.rows)[:, place - len(SCENE_CHANNELS)]

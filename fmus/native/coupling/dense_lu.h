@@ -23,8 +23,8 @@ static INLINE void subtract_row(double *restrict c, const double *restrict a, co
 }
 
 /* Vectors of GCC and Clang, anywhere in memory. */
-typedef double Pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double))));
-typedef double Quad __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
+typedef double Pair __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
+typedef double Quad __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 /* The same for CHUNK rows and columns of c, whose sums stay in registers; all have distances between rows. */
 static INLINE void subtract_tile(double *restrict c, size_t c_stride, const double *restrict a, size_t a_stride,

@@ -24,11 +24,22 @@ void jacobians_forget(Jacobians *j) {
         one->has_mobilities = one->bodies_outdated = 0;
     }
     j->uses = 0;
+    j->once_h = 0.0;
 }
 
 size_t block_size(const Network *n, size_t participant) {
     const size_t ports = n->participant[participant].ports;
     return n->width.wrench * n->width.coordinates * ports * ports;
+}
+
+/* Take a constant mobility as it was evaluated once: over so much longer a step poses and moments go with its square, rates
+   with it. */
+static void take_constant(const Network *n, const Jacobians *j, size_t i, double ratio, double *numbers) {
+    const size_t columns = n->width.wrench * n->participant[i].ports, coordinates = n->width.coordinates;
+    const double *once = j->once + j->first[i];
+    for (size_t k = 0; k < block_size(n, i); k++)
+        numbers[k] = once[k] * (k / columns % coordinates < coordinates - RATES ? ratio * ratio : ratio);
+    memcpy(numbers + block_size(n, i), once + block_size(n, i), 9 * sizeof(double));
 }
 
 /* Copy the mobilities of a step of nearly this size: events are located by steps that differ little. */
@@ -37,6 +48,8 @@ static void take_alike(const Network *n, Jacobians *j, SizedJacobian *to) {
         const SizedJacobian *from = j->sizes + i;
         if (from == to || !from->has_mobilities || !(fabs(from->h - to->h) < ALIKE * to->h)) continue;
         memcpy(to->numbers, from->numbers, j->first[n->bodies] * sizeof(double));
+        for (size_t b = 0; b < n->bodies; b++)
+            if (j->constant[b]) take_constant(n, j, b, to->h / j->once_h, to->numbers + j->first[b]);
         to->has_mobilities = 1;
         return;
     }
@@ -161,8 +174,15 @@ int fill_block(Network *n, const Jacobians *j, size_t i, double *numbers) {
 }
 
 static int fill_mobilities(Network *n, Jacobians *j, SizedJacobian *one) {
-    for (size_t i = 0; i < n->bodies; i++)
-        if (!(one->has_mobilities && j->constant[i]) && !fill_block(n, j, i, one->numbers + j->first[i])) return 0;
+    for (size_t i = 0; i < n->bodies; i++) {
+        double *numbers = one->numbers + j->first[i];
+        if (j->constant[i] && j->once_h != 0.0) take_constant(n, j, i, one->h / j->once_h, numbers);
+        else if (!fill_block(n, j, i, numbers)) return 0;
+    }
+    if (j->once_h == 0.0) {
+        memcpy(j->once, one->numbers, j->first[n->bodies] * sizeof(double));
+        j->once_h = one->h;
+    }
     one->has_mobilities = 1;
     one->bodies_outdated = 0;
     return 1;

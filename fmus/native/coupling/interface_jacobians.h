@@ -24,11 +24,12 @@ typedef struct {
 
 /* sizes (kept,): many, as events are located by steps of sizes of their own. constant (bodies,): whether a body's
    mobility is the same in any motion. slope: room for the outputs and inputs of any participant. first (participants +
-   1,): where the block of each participant begins among the numbers of a step size. */
+   1,): where the block of each participant begins among the numbers of a step size. once: the mobilities as they were
+   evaluated first, for a step size once_h (s), 0 where there are none. */
 typedef struct {
     SizedJacobian *sizes;
     const unsigned char *constant;
-    double *slope;
+    double *slope, *once, once_h;
     size_t *first, kept, uses;
 } Jacobians;
 

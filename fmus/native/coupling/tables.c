@@ -295,7 +295,8 @@ static int create_jacobians(Coupling *c, const Data *data, Memory *memory, Reaso
     const size_t fitting = MOST_KEPT_NUMBERS / (j->first[n->participants] + 1);
     j->kept = fitting < LEAST_KEPT_SIZES ? LEAST_KEPT_SIZES : fitting > MOST_KEPT_SIZES ? MOST_KEPT_SIZES : fitting;
     j->sizes = allocate(memory, j->kept * sizeof *j->sizes);
-    if (!j->sizes) return 0;
+    j->once = room_for(j->first[n->bodies], memory, why);
+    if (!j->sizes || !j->once) return 0;
     for (SizedJacobian *one = j->sizes; one < j->sizes + j->kept; one++) {
         one->numbers = room_for(j->first[n->participants], memory, why);
         JacobianBlock *block = allocate(memory, (n->participants + 1) * sizeof *block);
