@@ -49,7 +49,7 @@ static void take_alike(const Network *n, Jacobians *j, SizedJacobian *to) {
         if (from == to || !from->has_mobilities || !(fabs(from->h - to->h) < ALIKE * to->h)) continue;
         memcpy(to->numbers, from->numbers, j->first[n->bodies] * sizeof(double));
         for (size_t b = 0; b < n->bodies; b++)
-            if (j->constant[b]) take_constant(n, j, b, to->h / j->once_h, to->numbers + j->first[b]);
+            if (j->constant[b] && j->once_h != 0.0) take_constant(n, j, b, to->h / j->once_h, to->numbers + j->first[b]);
         to->has_mobilities = 1;
         return;
     }

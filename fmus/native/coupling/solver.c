@@ -194,6 +194,7 @@ static int iterate_damped(Solver *s, double time, double h) {
     for (n->iteration = 1; n->iteration <= MOST_DAMPED && fine; n->iteration++) {
         SizedJacobian *one = jacobian_of(n, &s->jacobians, h);
         one->has_mobilities = one->has_stiffnesses = 0;
+        s->jacobians.once_h = 0.0;
         if (!provide(s, 0)) return REFUSED;
         system_direction(n, n->residual, step);
         set_scale(n, step);

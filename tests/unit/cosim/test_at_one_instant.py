@@ -112,5 +112,5 @@ def test_conditions_that_come_together_act_in_the_order_of_the_scene(first, tmp_
 @needs_native
 def test_numbers_have_no_derivatives_where_lines_latch_together():
     """Which of both comes first hangs on the sign of a change: there is no derivative, and that is told."""
-    with pytest.raises(fanfold.FanfoldError, match=r"hinge_line\.A\.motor\.stowed .* 2\.04"):
+    with pytest.raises(fanfold.FanfoldError, match=r"hinge_line\.A\.motor\.stowed .* no derivatives"):
         fanfold.gradients(twins(), ["hinge_line.A.motor.stowed"])
