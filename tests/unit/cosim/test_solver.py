@@ -274,7 +274,7 @@ def watched(participant, called):
 def test_bodies_are_differentiated_seldom_and_laws_when_they_may_have_changed():
     """By count: after an event those of connections alone, after a failed step those of bodies that vary too.
 
-    Steps that differ little, by which an event is searched for, share those of bodies, and all steps those of rigid ones.
+    Steps that differ little, by which an event is searched for, share those of bodies; all share those of rigid ones.
     """
     assembly = assemble(load_scene(find_scene("amos3")), rigid={"yoke", "panel1"})
     with as_fmus(assembly, "native") as participants:
