@@ -21,7 +21,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 HERE = Path(__file__).parent
-LIBRARY = "fanfold"
 FLAGS = (
     "-std=c99",
     "-O3",

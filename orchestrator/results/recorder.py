@@ -55,11 +55,8 @@ class SignalGroup:
 class NoRecorder:
     """Keeps nothing, where what a master leads to is read from the participants."""
 
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Drop a communication point."""
-
     def extend(self, times: Vector, rows: Vector) -> None:
-        """Drop several."""
+        """Drop rows."""
 
     def event(self, time: float, component: str, text: str) -> None:
         """Drop an event."""
@@ -84,12 +81,8 @@ class MemoryRecorder:
         self._statistics: dict[str, Scalar] = {}
         self._complete = False
 
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Add a communication point: one flat array per group, in the order of the groups."""
-        self.extend(np.array([time]), np.concatenate(values)[None])
-
     def extend(self, times: Vector, rows: Vector) -> None:
-        """Add several points (n,), their values (n, all groups)."""
+        """Add communication points (n,), their values (n, all groups in their order)."""
         while len(rows):
             row = len(self._times) % _ROWS
             if row == 0:

@@ -89,10 +89,10 @@ def random_result(random):
     force = np.maximum(depth, 0.0)
     for k, t in enumerate(time.tolist()):
         row = [waves[k, :2], waves[k, 2:5], waves[k, 5:], np.array([depth[k], force[k], 0.1 * t])]
-        recorder.append(t, row)
+        recorder.extend(np.array([t]), np.concatenate(row)[None])
         if k in events:
             recorder.event(t, "HL", "HL latch-up")
-            recorder.append(t, [1.5 * values for values in row])
+            recorder.extend(np.array([t]), 1.5 * np.concatenate(row)[None])
     return recorder.result()
 
 
