@@ -44,8 +44,6 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "advance": ((_POINTER,), c_int),
     "give_in": ((_POINTER,), None),
     "watch": ((_POINTER,), None),
-    "save": ((_POINTER,), c_int),
-    "restore": ((_POINTER,), c_int),
     "observe": ((_POINTER,), c_int),
     "note_roughness": ((_POINTER, _REAL), c_int),
     "record_jump": ((_POINTER, _REAL, c_int, c_int), c_int),
@@ -258,14 +256,6 @@ class Coupling:
     def watch(self) -> None:
         """Note the distances of lines, conditions and stops, and the times of the next breaks."""
         self._library.fanfold_watch(self._handle)
-
-    def restore(self) -> None:
-        """Restore all participants."""
-        self._check(self._library.fanfold_restore(self._handle))
-
-    def save(self) -> None:
-        """Save the states of all participants; steps return to them."""
-        self._check(self._library.fanfold_save(self._handle))
 
     def observe(self) -> Energies:
         """Read the observations of all participants; returns their energies."""

@@ -14,8 +14,8 @@ void tell_size(const NotedSteps *noted, Coupling *c) {
 int note_step(NotedSteps *noted, const Coupling *c, int meets, char *said, size_t size) {
     if (noted->mode == NOTES_STEPS) {
         if (noted->count == MOST_NOTED) {
-            snprintf(said, size, "derivatives are those of %d steps of the master at the most; this communication step has "
-                     "more", MOST_NOTED);
+            snprintf(said, size, "derivatives are those of at most %d steps of the master; this communication step has more",
+                     MOST_NOTED);
             return 0;
         }
         noted->step[noted->count++] = (NotedStep){c->progress.tried, meets};

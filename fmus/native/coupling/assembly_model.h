@@ -68,7 +68,10 @@ typedef struct {
 } Assembly;
 
 /* Numbers that come first in a state. */
-enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_LONGEST, AT_STEPS, AT_REJECTED, AT_EVENT, OUTER };
+enum {
+    AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_LONGEST, AT_STEPS,
+    AT_REJECTED, AT_EVENT, OUTER
+};
 /* Whether a communication point is an event that the run has gone through without going on. Values there are those
    before the event or those after it. */
 enum { NO_EVENT, BEFORE_EVENT, AFTER_EVENT };

@@ -71,10 +71,8 @@ EXPORT double *fanfold_array(Owned *o, const char *name, size_t *count) {
     } arrays[] = {{"state", o->state, o->size},
                   {"wrenches", n->wrenches, n->size},
                   {"accepted", n->accepted, n->size},
-                  {"law", n->law, n->size},
                   {"observations", n->observations, r->observations},
                   {"energies", n->energies, ENERGIES},
-                  {"energy_start", r->start, ENERGIES},
                   {"pending", c->pending, c->crossings},
                   {"reached", c->reached, c->crossings},
                   {"passed", c->passed, c->crossings},
@@ -101,9 +99,9 @@ EXPORT int fanfold_record_start(Owned *o) { return coupling_record_start(&o->cou
 EXPORT int fanfold_advance(Owned *o) { return coupling_advance(&o->coupling); }
 EXPORT void fanfold_give_in(Owned *o) { coupling_give_in(&o->coupling); }
 EXPORT void fanfold_watch(Owned *o) { coupling_watch(&o->coupling); }
-EXPORT int fanfold_save(Owned *o) { return coupling_save(&o->coupling); }
-EXPORT int fanfold_restore(Owned *o) { return network_restore(&o->coupling.network) || coupling_fails(&o->coupling, OF_PARTICIPANT); }
-EXPORT int fanfold_observe(Owned *o) { return network_observe(&o->coupling.network) || coupling_fails(&o->coupling, OF_PARTICIPANT); }
+EXPORT int fanfold_observe(Owned *o) {
+    return network_observe(&o->coupling.network) || coupling_fails(&o->coupling, OF_PARTICIPANT);
+}
 EXPORT int fanfold_note_roughness(Owned *o, double after) { return coupling_note_roughness(&o->coupling, after); }
 EXPORT int fanfold_record_jump(Owned *o, double after, int others, int keeps_bodies) {
     return coupling_record_jump(&o->coupling, after, others, keeps_bodies);
@@ -127,7 +125,9 @@ EXPORT void fanfold_take_rows(Owned *o) { o->coupling.rows.count = 0; }
 EXPORT void fanfold_release_rows(Owned *o) { rows_release(&o->coupling.rows); }
 EXPORT size_t fanfold_sweeps(const Owned *o) { return o->coupling.network.sweeps; }
 EXPORT double fanfold_seconds(const Owned *o) { return o->coupling.network.seconds; }
-EXPORT void fanfold_forget(Owned *o, int bodies) { bodies ? forget_all(&o->coupling.solver) : forget_stiffnesses(&o->coupling.solver); }
+EXPORT void fanfold_forget(Owned *o, int bodies) {
+    bodies ? forget_all(&o->coupling.solver) : forget_stiffnesses(&o->coupling.solver);
+}
 EXPORT void fanfold_predict(const Owned *o, double h, double *result) {
     const Coupling *c = &o->coupling;
     predict(&c->network, c->progress.time + 0.5 * h, h, result);

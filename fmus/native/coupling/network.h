@@ -64,7 +64,8 @@ typedef struct {
     const Link *link;
     const JacobianBlock *mobility, *stiffness;
     const Part *parts;
-    double *wrenches, *accepted, *law, *residual, *scale, *round_off, *steps, *squares, *product, *gathered, *bend, *noise;
+    double *wrenches, *accepted, *law, *residual, *scale, *round_off, *steps, *squares, *product, *gathered, *bend;
+    double *noise;
     double *observations, *energies;
     const size_t *energy_rows;
     const Watched *watched;

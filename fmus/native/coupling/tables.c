@@ -161,7 +161,8 @@ static int are_within(const Matrix *m) {
         if (block->row_group >= m->groups || block->column_group >= m->groups) return 0;
         const size_t rows = m->begin[block->row_group + 1] - m->begin[block->row_group];
         const size_t columns = m->begin[block->column_group + 1] - m->begin[block->column_group];
-        if (rows % CHUNK || block->columns % CHUNK || block->first > columns || block->columns > columns - block->first || block->offset > m->length ||
+        if (rows % CHUNK || block->columns % CHUNK) return 0;
+        if (block->first > columns || block->columns > columns - block->first || block->offset > m->length ||
             rows * block->columns > m->length - block->offset)
             return 0;
         if (k < m->groups && (block->row_group != k || block->column_group != k || block->columns != rows)) return 0;
@@ -255,7 +256,8 @@ static int create_network(Coupling *c, const Data *data, Memory *memory, Reason 
         p->response = room_for(unknowns * n->width.wrench * p->ports, memory, why);
         if (!p->response) return 0;
     }
-    double **arrays[] = {&n->wrenches, &n->law, &n->residual, &n->scale, &n->round_off, &n->bend, &n->noise, &m->ordered};
+    double **arrays[] = {&n->wrenches,  &n->law,  &n->residual, &n->scale,
+                         &n->round_off, &n->bend, &n->noise,    &m->ordered};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (!(*arrays[i] = room_for(n->size, memory, why))) return 0;
     n->steps = room_for((MOST_ITERATIONS + 1) * n->size, memory, why);
@@ -266,7 +268,8 @@ static int create_network(Coupling *c, const Data *data, Memory *memory, Reason 
     m->values = room_for(m->length, memory, why);
     m->transposed = room_for(m->length, memory, why);
     m->pivots = allocate(memory, (n->size + 1) * sizeof(size_t));
-    return n->steps && n->squares && n->product && n->gathered && n->energies && m->values && m->transposed && m->pivots;
+    return n->steps && n->squares && n->product && n->gathered && n->energies && m->values && m->transposed &&
+           m->pivots;
 }
 
 enum { LEAST_KEPT_SIZES = 12, MOST_KEPT_SIZES = 64, MOST_KEPT_NUMBERS = 1 << 22 };
