@@ -30,6 +30,8 @@ from .rows import Recorder
 _ROOM = 160
 """Most rows, and so steps, of one `Coupling.advance`."""
 _SENTENCE = 512
+_OF_STEP = 2
+"""`failure` of the progress where no step size converges, as in coupling.h."""
 _POINTER, _REAL, _SIZE = c_void_p, c_double, c_size_t
 _Progress, _Request = structure("Progress"), structure("Request")
 _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
@@ -110,9 +112,6 @@ class Advance(NamedTuple):
     lets_go: bool
 
 
-_OF_STEP = 2
-
-
 @cache
 def _library() -> CDLL:
     """The compiled library; ParticipantError where it was not built, or from another version of its source."""
@@ -156,7 +155,7 @@ class Coupling:
         if not handle:
             raise ParticipantError(sentence.value.decode() or "no memory for a network")
         self._handle = c_void_p(handle)
-        self._free = weakref.finalize(self, library.fanfold_free, self._handle)
+        weakref.finalize(self, library.fanfold_free, self._handle)
         self._request, self._progress = (
             library.fanfold_request(self._handle).contents,
             library.fanfold_progress(self._handle).contents,

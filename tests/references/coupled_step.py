@@ -171,9 +171,9 @@ class CoupledStep:
 def bend(steps: Sequence[Step], ports: int) -> Matrix:
     """What bends mean wrenches (ports, 6) over the last of three or four steps: the mean of now and of a step before.
 
-    h^2 u'' at order 2. At order 4 what slopes do not tell of it, -2 h^4 times the fourth divided difference in which
-    the outer ones of three steps count twice, as they have slopes; a component with a slope bends no more than a
-    twelfth of h^3 u''', where there are four steps.
+    At order 2 it is h^2 u''. At order 4 it is the part of it that slopes do not cover: -2 h^4 times the fourth divided
+    difference over three steps, the outer ones doubled as they have slopes. With four steps, a component with a slope
+    bends by at most a twelfth of h^3 u'''.
     """
     h, tables = steps[-1].h, [step.wrenches.reshape(ports, -1) for step in steps]
     points = [

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "convergence.h"
 #include "prediction.h"
 
 /* The order of `by_tolerance` in orchestrator/cosim/tables.py: largest, smallest and first step (s) of the scene,

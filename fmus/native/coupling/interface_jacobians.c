@@ -32,8 +32,8 @@ size_t block_size(const Network *n, size_t participant) {
     return n->width.wrench * n->width.coordinates * ports * ports;
 }
 
-/* Take a constant mobility as it was evaluated once: over so much longer a step poses and moments go with its square, rates
-   with it. */
+/* Scale a constant mobility that was evaluated once to another step size: poses and moments are proportional to the
+   square of the size, rates to the size. */
 static void take_constant(const Network *n, const Jacobians *j, size_t i, double ratio, double *numbers) {
     const size_t columns = n->width.wrench * n->participant[i].ports, coordinates = n->width.coordinates;
     const double *once = j->once + j->first[i];

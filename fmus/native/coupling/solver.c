@@ -132,6 +132,10 @@ static int correct(Solver *s) {
     return halved ? restart(n) : refresh(s, step);
 }
 
+static void note_residual(Network *n) {
+    for (size_t i = 0; i < n->size; i++) n->residual[i] = n->law[i] - n->wrenches[i];
+}
+
 /* Chord Newton from the present wrenches. */
 static int iterate(Solver *s, double time, double h) {
     Network *n = s->network;
@@ -140,7 +144,7 @@ static int iterate(Solver *s, double time, double h) {
     while (n->iteration < MOST_ITERATIONS) {
         n->iteration++;
         if (!network_sweep(n, time, h)) return REFUSED;
-        for (size_t i = 0; i < n->size; i++) n->residual[i] = n->law[i] - n->wrenches[i];
+        note_residual(n);
         if (!isfinite(largest_of(n->residual, n->size, &n->worst_row))) {
             n->correction = INFINITY;
             return NOT_FINITE;
@@ -156,7 +160,7 @@ static int iterate(Solver *s, double time, double h) {
 static int residual_of(Solver *s, double time, double h) {
     Network *n = s->network;
     if (!network_sweep(n, time, h)) return 0;
-    for (size_t i = 0; i < n->size; i++) n->residual[i] = n->law[i] - n->wrenches[i];
+    note_residual(n);
     return all_finite(n->residual, n->size);
 }
 

@@ -37,6 +37,13 @@ static INLINE void turn(const JacobianBlock *block, const double *motion, size_t
     }
 }
 
+/* Turn the mobility of a body to its present orientation: of each port's coordinates the first `used`. */
+static INLINE void turn_body(Network *n, size_t body, size_t used) {
+    const Participant *p = n->participant + body;
+    turn(n->mobility + body, p->output, n->width.coordinates * p->ports, n->width.wrench * p->ports,
+         n->width.coordinates, used, p->turned);
+}
+
 /* How many of a port's coordinates affect wrenches: all, or all but the rates. */
 static INLINE size_t coordinates_used(const Network *n) {
     const Width width = n->width;
@@ -163,9 +170,7 @@ VECTORISED void system_assemble(Network *n) {
     for (size_t i = 0; i < n->participants; i++) {
         const Participant *p = n->participant + i;
         if (!p->turned) continue; /* a body that never moves */
-        if (i < n->bodies)
-            turn(n->mobility + i, p->output, width.coordinates * p->ports, width.wrench * p->ports,
-                 width.coordinates, used, p->turned);
+        if (i < n->bodies) turn_body(n, i, used);
         else if (!participant_stiffness_at_once(p, width, p->turned))
             turn(n->stiffness + i - n->bodies, p->input, width.wrench * p->ports, width.coordinates * p->ports, 1, 1,
                  p->turned);
@@ -230,10 +235,6 @@ VECTORISED void system_direction(const Network *n, const double *residual, doubl
 }
 
 void system_turn_bodies(Network *n) {
-    for (size_t i = 0; i < n->bodies; i++) {
-        const Participant *p = n->participant + i;
-        if (p->turned)
-            turn(n->mobility + i, p->output, n->width.coordinates * p->ports, n->width.wrench * p->ports, 1, 1,
-                 p->turned);
-    }
+    for (size_t i = 0; i < n->bodies; i++)
+        if (n->participant[i].turned) turn_body(n, i, n->width.coordinates);
 }

@@ -1,4 +1,4 @@
-"""What the last steps tell of the next, and how wrenches bend over it, in the C of the coupling, for polynomials."""
+"""Prediction of wrenches and their curvature over a step, in C, for polynomials."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The compiled library of the coupling: where it is missing or outdated, that is told; it keeps to its arrays."""
+"""The compiled library of the coupling: an error where it is missing or outdated, and no access beyond its arrays."""
 
 import os
 import subprocess

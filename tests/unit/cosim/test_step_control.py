@@ -91,7 +91,7 @@ def test_no_step_below_the_smallest():
 
 
 def test_a_divided_step_becomes_whole_seldom():
-    """Steps that are whole and divided in turn pump what is stiff: sizes change once in sixteen steps at the most."""
+    """Alternating sizes excite stiff joints: the size of a divided step changes at most once in sixteen steps."""
     step, sizes = np.array([1, 0], dtype=np.uintp), []
     for _ in range(STEPS):
         while step[0] < 4:
