@@ -63,8 +63,8 @@ static void modal_energies(Body *body, const double *x, double *kinetic, double 
     const double *rate = work.pi, *frequency = body->oscillators.frequency;
     load_modes(body, x, work.eta, work.pi);
     if (body->coupling.full) {
-        modal_rate(body->padded_modes, vector_of(x + X_ANGULAR_VELOCITY), gyroscopic_at(body, work.eta, &work), work.pi,
-                   work.rate_mean);
+        const double *b = gyroscopic_at(body, known_at(body, work.eta), work.eta, &work);
+        modal_rate(body->padded_modes, vector_of(x + X_ANGULAR_VELOCITY), b, work.pi, work.rate_mean);
         rate = work.rate_mean;
     }
     *kinetic = *strain = 0.0;

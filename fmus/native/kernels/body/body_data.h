@@ -70,19 +70,23 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
     return 1;
 }
 
-/* For so many numbers of a size, one a mode. */
-static int remembered_allocate(Remembered *remembered, size_t modes, size_t size, Memory *memory) {
-    remembered->eta = allocate(memory, modes * size);
-    remembered->quadratic = allocate(memory, 6 * modes * size);
-    remembered->b = allocate(memory, 3 * modes * size);
+/* For numbers of a size. */
+static int remembered_allocate(const Body *body, Remembered *remembered, size_t size, Memory *memory) {
+    const size_t mode = (body->padded_modes + 1) * size, port = (2 * body->coordinates + 1) * size;
+    remembered->eta = allocate(memory, mode);
+    remembered->quadratic = allocate(memory, 6 * mode);
+    remembered->b = allocate(memory, 3 * mode);
     remembered->inertia = allocate(memory, 6 * size);
-    return remembered->eta && remembered->quadratic && remembered->b && remembered->inertia;
+    remembered->deflection = allocate(memory, port);
+    remembered->pairs = allocate(memory, (body->second_order + 1) * port);
+    return remembered->eta && remembered->quadratic && remembered->b && remembered->inertia &&
+           remembered->deflection && remembered->pairs;
 }
 
 /* Working memory that is too large for the stack; 0 without memory. */
 static int allocate_work(Body *body, Memory *memory) {
     size_t numbers = WORK_SIZE(body->padded_modes, body->coordinates) +
-                     PAIRS_SIZE(padded(body->second_order), body->padded_modes, body->coordinates) +
+                     PAIRS_SIZE(body->second_order, body->padded_modes, body->coordinates) +
                      TENSIONS_SIZE(body->forms, padded(body->second_order));
     if (numbers <= LOCAL_WORK_SIZE) return 1;
     body->work = allocate(memory, numbers * sizeof(double));
@@ -101,16 +105,16 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
     body->port_orientation = allocate(memory, (4 * body->ports + 1) * sizeof(double));
     body->shapes = allocate(memory, 2 * l * mode);
     body->second_place = allocate(memory, (n + 1) * sizeof *body->second_place);
-    body->pairs = allocate(memory, (2 * l * padded(body->second_order) * padded(body->second_order) + 1) * sizeof(double));
+    body->pairs = allocate(memory, (2 * l * body->second_order * body->second_order + 1) * sizeof(double));
     body->tension_forms = allocate(memory, (body->forms * padded(body->second_order) * padded(body->second_order) + 1) * sizeof(double));
     body->coupling.slope = allocate(memory, 6 * mode);
     if (!body->damping_ratio || !body->start_modal || !body->order || !body->arms || !body->origin_arms || !body->outside ||
         !body->port_orientation || !body->shapes || !body->second_place || !body->pairs ||
         !body->tension_forms || !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
-        !remembered_allocate(&body->at_start, n + 1, sizeof(double), memory) ||
-        !remembered_allocate(&body->at_end, n + 1, sizeof(double), memory) ||
-        !remembered_allocate(&body->at_end_complex, n + 1, sizeof(double complex), memory))
+        !remembered_allocate(body, &body->at_start, sizeof(double), memory) ||
+        !remembered_allocate(body, &body->at_end, sizeof(double), memory) ||
+        !remembered_allocate(body, &body->at_end_complex, sizeof(double complex), memory))
         return refuse(why, "no memory for a body of %lu modes", (unsigned long)body->modes);
     return 1;
 }
@@ -163,7 +167,7 @@ static int read_shapes(Body *body, const Data *data, const char *name, size_t fi
 
 /* Displacements and turns of the ports (ports, 6, modes of second order twice), those of a pair together. */
 static int read_second_order(Body *body, const Data *data, Reason *why) {
-    size_t count = body->second_order, rows = padded(count), l = body->coordinates;
+    size_t count = body->second_order, l = body->coordinates;
     const double *values = finite_array(data, "second_order", 6 * body->ports * count * count, why);
     if (!values) return 0;
     for (size_t j = 0; j < body->modes; j++)
@@ -171,7 +175,7 @@ static int read_second_order(Body *body, const Data *data, Reason *why) {
     for (size_t i = 0; i < 6 * body->ports * count; i++) {
         size_t port = i / (6 * count), axis = i / count % 6, s = i % count;
         size_t place = (axis < 3 ? 0 : l) + 3 * port + axis % 3;
-        for (size_t t = 0; t < count; t++) body->pairs[(t * rows + s) * 2 * l + place] = values[i * count + t];
+        for (size_t t = 0; t < count; t++) body->pairs[(t * count + s) * 2 * l + place] = values[i * count + t];
     }
     return 1;
 }

@@ -22,8 +22,12 @@ void NAME(body_complete)(void *self, real *x) {
     quaternion_store(q, x + X_ORIENTATION);
     rotation_matrix(q, a);
     load_modes(body, x, work.eta, work.pi);
-        evaluate_coupling(body, work.eta, &work.coupling, inertia);
-    remember_end(body, &work, inertia);
+    copied(body->coupling.inertia, 6, inertia);
+    evaluate_coupling(body, work.eta, &work.coupling, inertia);
+    if (body->modes) {
+        deflect(body, work.eta, &work);
+        remember_end(body, &work, inertia);
+    }
     vector_store(solved(body, inertia, &work.coupling, transposed_times(a, vector_of(x + X_SPIN)), work.pi), x + X_ANGULAR_VELOCITY);
 }
 

@@ -15,11 +15,12 @@
 /* Loads, and products of two rates. */
 enum { CARRIED_COLUMNS = WRENCH_SIZE + 6 };
 
-/* B, J - B B^T and what its quadratic part is made of, at the modal coordinates they were last evaluated for: a state is
-   asked for them several times. */
+/* What modal coordinates make of a body, at those it was last evaluated for: B, J - B B^T and what its quadratic part is
+   made of, the deflection of the ports and what is added to the shapes. A state is asked for it several times, and all
+   steps that are tried from a state start with it. */
 typedef struct {
     int known;
-    void *eta, *quadratic, *b, *inertia;
+    void *eta, *quadratic, *b, *inertia, *deflection, *pairs;
 } Remembered;
 
 typedef struct {
@@ -32,7 +33,7 @@ typedef struct {
     double *port_orientation; /* 4 a port */
     double *shapes;           /* modes rows of 2 coordinates: translations, then rotations */
     size_t second_order;      /* modes whose pairs displace the ports, 0 without */
-    double *pairs;            /* by every two of them, padded, 2 coordinates */
+    double *pairs;            /* by every two of them, 2 coordinates */
     unsigned short *second_place; /* where they are among the modes here */
     size_t forms;             /* of bending that stretches, 0 without */
     double *tension_forms;    /* by every mode of second order, padded, a row a form of as many */
@@ -57,7 +58,6 @@ typedef struct {
     real *wrenches;         /* 2 coordinates: forces and torques conjugate to the modes, body axes */
     real *slope_wrenches;   /* 2 coordinates: their slopes */
     real *deflection;       /* 2 coordinates: of the ports, and their turns */
-    real *deflection_start; /* 2 coordinates: the same at the start of a step */
     real *rates;            /* 2 coordinates: the same for the modal rates */
     real *arms;             /* coordinates */
     real *arms_start;       /* coordinates: at the start of a step, world axes */
@@ -71,10 +71,10 @@ typedef struct {
 /* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
 #define WORK_SPLIT(modes, coordinates) (7 * (modes) + 4 * (coordinates))
 /* what `work_of` takes */
-#define WORK_SIZE(modes, coordinates) (33 * (modes) + 13 * (coordinates) + WORK_SPLIT(modes, coordinates))
-/* what `pairs_of` takes besides, for so many modes of second order, padded */
+#define WORK_SIZE(modes, coordinates) (33 * (modes) + 11 * (coordinates) + WORK_SPLIT(modes, coordinates))
+/* what `pairs_of` takes besides, for so many modes of second order */
 #define PAIRS_SIZE(rows, modes, coordinates) \
-    ((rows) ? 10 * (rows) * (coordinates) + 4 * (coordinates) + 3 * (rows) * (rows) + 6 * (rows) + (modes) : 0)
+    ((rows) ? 8 * (rows) * (coordinates) + 4 * (coordinates) + 3 * (rows) * (rows) + 6 * (rows) + (modes) : 0)
 /* what `tensions_of` takes besides, for so many forms */
 #define TENSIONS_SIZE(forms, rows) \
     ((forms) ? 7 * (forms) * (rows) + 4 * padded(forms) + 5 * (rows) * (rows) + 8 * (rows) : 0)
@@ -120,7 +120,6 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.wrenches = taken(&next, 2 * l);
     work.slope_wrenches = taken(&next, 2 * l);
     work.deflection = taken(&next, 2 * l);
-    work.deflection_start = taken(&next, 2 * l);
     work.rates = taken(&next, 2 * l);
     work.arms = taken(&next, l);
     work.arms_start = taken(&next, l);
@@ -133,7 +132,7 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.mid.b_rate = taken(&next, 3 * n);
     work.coupling.split = work.mid.split = (double *)next;
     work.pairs = next + WORK_SPLIT(n, l);
-    work.tensions = work.pairs + PAIRS_SIZE(padded(body->second_order), n, l);
+    work.tensions = work.pairs + PAIRS_SIZE(body->second_order, n, l);
     return work;
 }
 

@@ -6,11 +6,16 @@
 
 #include "body_second_order.h"
 
-/* Arms of the ports of the body deformed by eta. */
-static inline void deformed_arms(const Body *body, const real *eta, const Work *work) {
+/* Deflections of the ports of the body deformed by eta. */
+static inline void deflect(const Body *body, const real *eta, const Work *work) {
     size_t l = body->coordinates;
     rows_combined(body->shapes, body->padded_modes, 2 * l, eta, work->deflection, work->coupling.split);
     if (body->second_order) deflect_to_second_order(body, eta, work, work->deflection);
+}
+
+/* The same, and the arms of the ports. */
+static inline void deformed_arms(const Body *body, const real *eta, const Work *work) {
+    deflect(body, eta, work);
     for (size_t i = 0; i < 3 * body->ports; i++) work->arms[i] = body->arms[i] + work->deflection[i];
 }
 
@@ -85,15 +90,22 @@ static inline int recalled(const Remembered *remembered, const real *eta, size_t
     return remembered->known && memcmp(remembered->eta, eta, modes * sizeof(real)) == 0;
 }
 
-/* Without `at` nothing but the inertia: of a level without the rest. */
-static inline void remember(Remembered *remembered, const real *eta, const CouplingScratch *at, const real inertia[6],
-                            size_t modes) {
-    memcpy(remembered->eta, eta, modes * sizeof(real));
-    if (at) {
-        memcpy(remembered->quadratic, at->quadratic, 6 * modes * sizeof(real));
-        memcpy(remembered->b, at->b, 3 * modes * sizeof(real));
+/* What `work` holds of the body deformed by eta, as far as its level keeps it. */
+static inline Remembered present_of(const Body *body, const real *eta, const real *inertia, const Work *work) {
+    void *pairs = body->second_order ? pairs_of(body, work).end : NULL;
+    return (Remembered){1, (void *)eta, work->coupling.quadratic, work->coupling.b, (void *)inertia, work->deflection, pairs};
+}
+
+static inline void remember(const Body *body, Remembered *remembered, const Remembered *present) {
+    const size_t mode = body->padded_modes * sizeof(real), port = 2 * body->coordinates * sizeof(real);
+    memcpy(remembered->eta, present->eta, mode);
+    if (body->coupling.full) {
+        memcpy(remembered->quadratic, present->quadratic, 6 * mode);
+        memcpy(remembered->b, present->b, 3 * mode);
     }
-    memcpy(remembered->inertia, inertia, 6 * sizeof(real));
+    memcpy(remembered->inertia, present->inertia, 6 * sizeof(real));
+    memcpy(remembered->deflection, present->deflection, port);
+    if (body->second_order) memcpy(remembered->pairs, present->pairs, body->second_order * port);
     remembered->known = 1;
 }
 
@@ -106,13 +118,18 @@ static inline Remembered *end_of(Body *body) {
 #endif
 }
 
-/* B at eta, remembered or evaluated. */
-static inline const real *gyroscopic_at(Body *body, const real *eta, const Work *work) {
-    size_t n = body->padded_modes;
-    if (recalled(end_of(body), eta, n)) return end_of(body)->b;
+/* What is remembered of eta, NULL for nothing. */
+static inline const Remembered *known_at(Body *body, const real *eta) {
+    if (recalled(end_of(body), eta, body->padded_modes)) return end_of(body);
 #ifndef FANFOLD_COMPLEX
-    if (recalled(&body->at_start, eta, n)) return body->at_start.b;
+    if (recalled(&body->at_start, eta, body->padded_modes)) return &body->at_start;
 #endif
+    return NULL;
+}
+
+/* B at eta, of which this is remembered, or evaluated. */
+static inline const real *gyroscopic_at(const Body *body, const Remembered *known, const real *eta, const Work *work) {
+    if (known) return known->b;
     gyroscopic_of(&body->coupling, eta, work->coupling.b, &work->coupling);
     return work->coupling.b;
 }
@@ -154,33 +171,32 @@ static inline void evaluate_coupling(const Body *body, const real *eta, const Co
     if (coupling->varies) inertia_at(coupling, eta, at, inertia);
 }
 
-/* Has these of the end of a step remembered, where `work` holds them. */
+/* Has what `work` holds of the end of a step remembered. */
 static inline void remember_end(Body *body, const Work *work, const real inertia[6]) {
-    const InertiaCoupling *coupling = &body->coupling;
-    if (coupling->varies)
-        remember(end_of(body), work->eta, coupling->full ? &work->coupling : NULL, inertia, body->padded_modes);
+    const Remembered present = present_of(body, work->eta, inertia, work);
+    remember(body, end_of(body), &present);
 }
 
-/* Has these of the start of a step remembered; no derivative enters there. */
+/* Has the same of the start of a step remembered; no derivative enters there. */
 void body_remember_start(Body *body, const double *eta);
 
 #ifndef FANFOLD_COMPLEX
 
 void body_remember_start(Body *body, const double *eta) {
-    size_t n = body->padded_modes;
-    const Remembered *end = &body->at_end;
-    int full = body->coupling.full;
-    if (recalled(&body->at_start, eta, n)) return;
-    if (recalled(end, eta, n)) {
-        const CouplingScratch at_end = {end->quadratic, end->b, NULL, NULL};
-        remember(&body->at_start, eta, full ? &at_end : NULL, end->inertia, n);
+    const Remembered *known = known_at(body, eta);
+    if (known == &body->at_start) return;
+    if (known) {
+        remember(body, &body->at_start, known);
         return;
     }
     LocalWork stack;
     Work work = work_of(body, &stack);
     double inertia[6];
+    memcpy(inertia, body->coupling.inertia, sizeof inertia);
     evaluate_coupling(body, eta, &work.coupling, inertia);
-    remember(&body->at_start, eta, full ? &work.coupling : NULL, inertia, n);
+    deflect(body, eta, &work);
+    const Remembered present = present_of(body, eta, inertia, &work);
+    remember(body, &body->at_start, &present);
 }
 
 #endif
@@ -192,9 +208,13 @@ FANFOLD_VECTORISED static void start_rates(size_t n, const double *omega, const 
         rate[j] = pi[j] - (omega[0] * b[j] + omega[1] * b[n + j] + omega[2] * b[2 * n + j]);
 }
 
-/* The modes at the start of a step: coordinates, momenta, rates, no slope, and the coupling, from which that of the end
-   sets out. No derivative enters here. */
-static inline void start_modes(Body *body, const double *x, const Work *work, real inertia[6]) {
+static inline void copied(const double *numbers, size_t count, real *out) {
+    for (size_t i = 0; i < count; i++) out[i] = numbers[i];
+}
+
+/* The modes at the start of a step: coordinates, momenta, rates, no slope, turns of the ports, and the coupling, from which
+   that of the end sets out. No derivative enters here. */
+static inline void start_modes(Body *body, const double *x, const Work *work, real *turns, real inertia[6]) {
     size_t m = body->modes, n = body->padded_modes;
     const Remembered *start = &body->at_start;
     double *eta = work->coupling.split;
@@ -203,15 +223,16 @@ static inline void start_modes(Body *body, const double *x, const Work *work, re
         work->rate_mean[j] = work->pi_start[j] = j < m ? x[X_MODAL_AMPLITUDE + m + body->order[j]] : 0.0;
         work->slope[j] = 0.0;
     }
-    if (!body->coupling.varies) {
-        for (size_t p = 0; p < 6; p++) inertia[p] = body->coupling.inertia[p];
-        return;
-    }
     body_remember_start(body, eta);
-    for (size_t p = 0; p < 6; p++) inertia[p] = ((const double *)start->inertia)[p];
+    const double *deflection = start->deflection;
+    for (size_t i = 0; i < 3 * body->ports; i++) work->arms[i] = body->arms[i] + deflection[i];
+    copied(deflection + body->coordinates, body->coordinates, turns);
+    if (body->second_order)
+        copied(start->pairs, body->second_order * 2 * body->coordinates, pairs_of(body, work).mid);
+    copied(start->inertia, 6, inertia);
     if (!body->coupling.full) return;
-    for (size_t i = 0; i < 6 * n; i++) work->coupling.quadratic[i] = ((const double *)start->quadratic)[i];
-    for (size_t i = 0; i < 3 * n; i++) work->coupling.b[i] = ((const double *)start->b)[i];
+    copied(start->quadratic, 6 * n, work->coupling.quadratic);
+    copied(start->b, 3 * n, work->coupling.b);
     start_rates(n, x + X_ANGULAR_VELOCITY, start->b, work->pi_start, work->rate_mean);
 }
 

@@ -14,16 +14,19 @@ static inline void deform_ports(Body *body, const real *x, Vector3 omega, const 
         return;
     }
     load_modes(body, x, work->eta, work->pi);
+    const Remembered *known = known_at(body, work->eta);
     if (body->coupling.full) {
-        modal_rate(n, omega, gyroscopic_at(body, work->eta, work), work->pi, work->rate_mean);
+        modal_rate(n, omega, gyroscopic_at(body, known, work->eta, work), work->pi, work->rate_mean);
         rate = work->rate_mean;
     }
-    rows_combined_twice(body->shapes, n, 2 * l, work->eta, rate, work->deflection, work->rates,
-                        work->coupling.split);
+    if (known)
+        memcpy(work->deflection, known->deflection, 2 * l * sizeof(real));
+    else
+        deflect(body, work->eta, work);
+    rows_combined(body->shapes, n, 2 * l, rate, work->rates, work->coupling.split);
     if (body->second_order) {
         const Pairs pairs = pairs_of(body, work);
-        deflect_to_second_order(body, work->eta, work, work->deflection);
-        pairs_combined(body, &pairs, pairs.end, rate, 1.0, work->rates);
+        pairs_combined(body, &pairs, known ? known->pairs : pairs.end, rate, 1.0, work->rates);
     }
 }
 

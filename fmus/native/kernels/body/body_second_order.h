@@ -9,39 +9,39 @@
 
 #define MODAL_TOLERANCE 1e-13
 
-/* What modal coordinates add to the shapes of the modes of second order: rows of 2 coordinates, at the end of a step, at
-   its start and at its mean. `some` and `slope` hold a number a mode of second order, `last` the modal coordinates of the last
+/* What modal coordinates add to the shapes of the modes of second order: rows of 2 coordinates, at the end of a step and at
+   its mean. `some` and `slope` hold a number a mode of second order, `last` the modal coordinates of the last
    iterate. Of Newton's correction: conjugate wrenches and their slopes, by what coordinates change the forces of both,
    a matrix and its pivots. */
 typedef struct {
-    real *end, *start, *mid, *some, *slope, *last;
+    real *end, *mid, *some, *slope, *last;
     double *wrenches, *slopes, *tension, *slope_tension, *matrix, *split;
     unsigned short *pivots;
-    size_t count, rows, length; /* modes of second order, and padded; 2 coordinates */
+    size_t count, length; /* modes of second order; 2 coordinates */
 } Pairs;
 
 static inline Pairs pairs_of(const Body *body, const Work *work) {
-    Pairs pairs = {.count = body->second_order, .rows = padded(body->second_order), .length = 2 * body->coordinates};
+    const size_t count = body->second_order, length = 2 * body->coordinates;
+    Pairs pairs = {.count = count, .length = length};
     real *next = work->pairs;
-    pairs.end = taken(&next, pairs.rows * pairs.length);
-    pairs.start = taken(&next, pairs.rows * pairs.length);
-    pairs.mid = taken(&next, pairs.rows * pairs.length);
-    pairs.some = taken(&next, pairs.rows);
-    pairs.slope = taken(&next, pairs.rows);
+    pairs.end = taken(&next, count * length);
+    pairs.mid = taken(&next, count * length);
     pairs.last = taken(&next, body->padded_modes);
-    pairs.wrenches = (double *)taken(&next, pairs.length);
-    pairs.slopes = (double *)taken(&next, pairs.length);
-    pairs.tension = (double *)taken(&next, pairs.rows * pairs.rows);
-    pairs.slope_tension = (double *)taken(&next, pairs.rows * pairs.rows);
-    pairs.matrix = (double *)taken(&next, pairs.rows * pairs.rows);
-    pairs.pivots = (unsigned short *)taken(&next, pairs.rows);
+    pairs.wrenches = (double *)taken(&next, length);
+    pairs.slopes = (double *)taken(&next, length);
+    pairs.some = taken(&next, count);
+    pairs.slope = taken(&next, count);
+    pairs.tension = (double *)taken(&next, count * count);
+    pairs.slope_tension = (double *)taken(&next, count * count);
+    pairs.matrix = (double *)taken(&next, count * count);
+    pairs.pivots = (unsigned short *)taken(&next, count);
     pairs.split = (double *)next;
     return pairs;
 }
 
 /* Of a vector over all modes, those of second order. */
 static inline const real *picked(const Body *body, const Pairs *pairs, const real *modes) {
-    for (size_t s = 0; s < pairs->rows; s++) pairs->some[s] = s < pairs->count ? modes[body->second_place[s]] : 0.0;
+    for (size_t s = 0; s < pairs->count; s++) pairs->some[s] = modes[body->second_place[s]];
     return pairs->some;
 }
 
@@ -54,7 +54,7 @@ static inline void pairs_combined(const Body *body, const Pairs *pairs, const re
         for (size_t i = 0; i < pairs->length; i++) out[i] += weight * row[i];
     }
 #else
-    rows_combined(rows, pairs->rows, pairs->length, picked(body, pairs, modes), pairs->split, NULL);
+    rows_combined(rows, pairs->count, pairs->length, picked(body, pairs, modes), pairs->split, NULL);
     for (size_t i = 0; i < pairs->length; i++) out[i] += factor * pairs->split[i];
 #endif
 }
@@ -74,9 +74,9 @@ static inline void pairs_projected(const Body *body, const Pairs *pairs, const r
     }
 #else
     if (others)
-        rows_projected_twice(rows, pairs->rows, pairs->length, wrenches, others, pairs->some, pairs->slope, NULL);
+        rows_projected_twice(rows, pairs->count, pairs->length, wrenches, others, pairs->some, pairs->slope, NULL);
     else
-        rows_projected(rows, pairs->rows, pairs->length, wrenches, pairs->some, NULL);
+        rows_projected(rows, pairs->count, pairs->length, wrenches, pairs->some, NULL);
     for (size_t s = 0; s < pairs->count; s++) {
         force[body->second_place[s]] += pairs->some[s];
         if (others) other_force[body->second_place[s]] += pairs->slope[s];
@@ -85,13 +85,13 @@ static inline void pairs_projected(const Body *body, const Pairs *pairs, const r
 }
 
 /* mid = (start + end) / 2. */
-FANFOLD_VECTORISED static void averaged(const real *restrict start, const real *restrict end, size_t count,
+FANFOLD_VECTORISED static void averaged(const double *restrict start, const real *restrict end, size_t count,
                                         real *restrict mid) {
     for (size_t i = 0; i < count; i++) mid[i] = 0.5 * (start[i] + end[i]);
 }
 
 /* out -= factor (end - start). */
-FANFOLD_VECTORISED static void less_growth_of(const real *restrict start, const real *restrict end, size_t count,
+FANFOLD_VECTORISED static void less_growth_of(const double *restrict start, const real *restrict end, size_t count,
                                               real factor, real *restrict out) {
     for (size_t i = 0; i < count; i++) out[i] -= factor * (end[i] - start[i]);
 }
@@ -99,27 +99,26 @@ FANFOLD_VECTORISED static void less_growth_of(const real *restrict start, const 
 /* What eta adds to the shapes, in `end`, and to the deflection. */
 static inline void deflect_to_second_order(const Body *body, const real *eta, const Work *work, real *deflection) {
     const Pairs pairs = pairs_of(body, work);
-    rows_combined(body->pairs, pairs.rows, pairs.rows * pairs.length, picked(body, &pairs, eta), pairs.end, pairs.split);
+    rows_combined(body->pairs, pairs.count, pairs.count * pairs.length, picked(body, &pairs, eta), pairs.end, pairs.split);
     pairs_combined(body, &pairs, pairs.end, eta, 0.5, deflection);
 }
 
 /* Has what `end` holds stand for the whole step. */
 static inline void hold_pairs(const Body *body, const Work *work) {
     const Pairs pairs = pairs_of(body, work);
-    const size_t size = pairs.rows * pairs.length * sizeof(real);
-    memcpy(pairs.start, pairs.end, size);
-    memcpy(pairs.mid, pairs.end, size);
+    memcpy(pairs.mid, pairs.end, pairs.count * pairs.length * sizeof(real));
 }
 
-/* Sets `mid` to the mean of start and end, and takes the turns (coordinates) of the ports from the mean of both ends to
-   those at the mean modal coordinates. */
+/* Sets `mid` to the mean of the start of a step and its end, and takes the turns (coordinates) of the ports from the mean
+   of both ends to those at the mean modal coordinates. */
 static inline void average_pairs(const Body *body, const Work *work, real *turns) {
     const Pairs pairs = pairs_of(body, work);
-    averaged(pairs.start, pairs.end, pairs.rows * pairs.length, pairs.mid);
+    const double *start = body->at_start.pairs;
+    averaged(start, pairs.end, pairs.count * pairs.length, pairs.mid);
     for (size_t s = 0; s < pairs.count; s++) {
         const size_t place = body->second_place[s], row = s * pairs.length + body->coordinates;
         const real grown = 0.125 * (work->eta[place] - work->eta_start[place]);
-        less_growth_of(pairs.start + row, pairs.end + row, body->coordinates, grown, turns);
+        less_growth_of(start + row, pairs.end + row, body->coordinates, grown, turns);
     }
 }
 
@@ -129,7 +128,7 @@ static inline void tensions(const Body *body, int sloped, const Work *work, cons
         pairs->wrenches[i] = value_of(work->wrenches[i]);
         pairs->slopes[i] = sloped ? value_of(work->slope_wrenches[i]) : 0.0;
     }
-    rows_projected_twice_double(body->pairs, pairs->rows * pairs->rows, pairs->length, pairs->wrenches, pairs->slopes,
+    rows_projected_twice_double(body->pairs, pairs->count * pairs->count, pairs->length, pairs->wrenches, pairs->slopes,
                                 pairs->tension, pairs->slope_tension);
 }
 
@@ -141,13 +140,12 @@ static inline void factorise_response(const Body *body, const double *gain, cons
     if (body->forms) {
         const Tensions own = tensions_of(body, work);
         curvature_at_end(body, &own, pairs->matrix);
-        for (size_t s = 0; s < count; s++)
-            for (size_t t = 0; t < count; t++) pairs->tension[s * pairs->rows + t] -= pairs->matrix[s * pairs->rows + t];
+        for (size_t i = 0; i < count * count; i++) pairs->tension[i] -= pairs->matrix[i];
     }
     for (size_t s = 0; s < count; s++) {
         const size_t place = body->second_place[s];
         const double own = share * gain[place], sloped = slope_gain ? share * slope_gain[place] : 0.0;
-        const double *tension = pairs->tension + s * pairs->rows, *changing = pairs->slope_tension + s * pairs->rows;
+        const double *tension = pairs->tension + s * count, *changing = pairs->slope_tension + s * count;
         for (size_t t = 0; t < count; t++)
             pairs->matrix[s * count + t] = (s == t) - own * tension[t] - sloped * changing[t];
     }
@@ -168,7 +166,7 @@ static inline void correct_forces(const Body *body, const double *gain, const do
     }
     solve_dense(pairs.matrix, count, pairs.pivots, (double *)pairs.some, sizeof(real) / sizeof(double));
     for (size_t s = 0; s < count; s++) {
-        const double *tension = pairs.tension + s * pairs.rows, *changing = pairs.slope_tension + s * pairs.rows;
+        const double *tension = pairs.tension + s * count, *changing = pairs.slope_tension + s * count;
         real gained = 0.0, grown = 0.0;
         for (size_t t = 0; t < count; t++) gained += tension[t] * pairs.some[t];
         force[body->second_place[s]] += share * gained;
@@ -183,12 +181,12 @@ static inline void correct_stretching_forces(const Body *body, const Propagator 
                                              real *force, real *slope) {
     const Pairs pairs = pairs_of(body, work);
     const Tensions own = tensions_of(body, work);
-    const size_t n = own.count, rows = own.rows, size = 2 * n;
+    const size_t n = own.count, size = 2 * n;
     double *by_end = pairs.tension, *slope_by_end = pairs.slope_tension;
     tensions(body, sloped, work, &pairs);
     curvature_at_end(body, &own, pairs.matrix);
     divided_curvature(body, &own);
-    for (size_t i = 0; i < n * rows; i++) {
+    for (size_t i = 0; i < n * n; i++) {
         by_end[i] = 0.5 * by_end[i] - (1.0 / 3.0) * own.by_moment[i] - (1.0 / 6.0) * pairs.matrix[i];
         slope_by_end[i] = 0.5 * (slope_by_end[i] - pairs.matrix[i]);
         own.by_moment[i] *= 0.5;
@@ -198,7 +196,7 @@ static inline void correct_stretching_forces(const Body *body, const Propagator 
         const double b = prop->b1[place], c = prop->c1[place], d = prop->d[place];
         double *upper = own.matrix + s * size, *lower = own.matrix + (n + s) * size;
         for (size_t t = 0; t < n; t++) {
-            const size_t i = s * rows + t;
+            const size_t i = s * n + t;
             upper[t] = (s == t) - b * by_end[i] - c * slope_by_end[i];
             upper[n + t] = -b * own.by_moment[i];
             lower[t] = c * by_end[i] - d * slope_by_end[i];
@@ -211,7 +209,7 @@ static inline void correct_stretching_forces(const Body *body, const Propagator 
     solve_dense(own.matrix, size, own.pivots, (double *)own.residual, sizeof(real) / sizeof(double));
     for (size_t s = 0; s < n; s++)
         for (size_t t = 0; t < n; t++) {
-            const size_t i = s * rows + t, place = body->second_place[s];
+            const size_t i = s * n + t, place = body->second_place[s];
             force[place] += by_end[i] * own.residual[t] + own.by_moment[i] * own.residual[n + t];
             slope[place] += slope_by_end[i] * own.residual[t];
         }

@@ -150,14 +150,11 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     Vector3 momentum, bend = {0.0, 0.0, 0.0};
     double change = 0.0, before = 0.0, slope_of = 0.0, slope_before = 0.0; /* by iterations, of modes of second order */
     int done = 0, found = 0, sloped = load->sloped || body->forms; /* tension changes within a step */
-    start_modes(body, x, work, turned->inertia_end);
-    deformed_arms(body, work->eta_start, work);
-    memcpy(work->deflection_start, work->deflection, 2 * l * sizeof(real));
-    memcpy(turns, work->deflection + l, l * sizeof(real));
+    start_modes(body, x, work, turns, turned->inertia_end);
+    const double *turns_start = (const double *)body->at_start.deflection + l;
     turned->omega = turned->end = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
     Course moment = moment_over(load, &turned->moments_start, &turned->moments_start);
-    if (body->second_order) hold_pairs(body, work);
     if (body->forms) hold_tensions(body, work->eta_start, work);
     for (int i = 0; i < MAX_ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
@@ -177,7 +174,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
         if (body->forms) end_tensions(body, work->eta, work->moment, work);
         evaluate_coupling(body, work->eta, &work->coupling, turned->inertia_end);
         deformed_arms(body, work->eta, work);
-        for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (work->deflection_start[l + e] + work->deflection[l + e]);
+        for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (turns_start[e] + work->deflection[l + e]);
         if (body->second_order) average_pairs(body, work, turns);
         Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
         moment = moment_over(load, &turned->moments_start, &moments_end);
@@ -221,6 +218,7 @@ static inline void place_moments(const Body *body, Vector3 center, Vector3 rate_
 /* What the modes add to them: their own first moments, and a sixth of their change in axes that turn on. */
 static inline void add_modal_moments(const Body *body, const Axes *axes, const Work *work, real *moments) {
     size_t l = body->coordinates;
+    const double *deflection_start = body->at_start.deflection;
     real *moved = work->wrenches;
     rows_combined(body->shapes, body->padded_modes, 2 * l, work->moment, moved, work->coupling.split);
     if (body->second_order) {
@@ -228,10 +226,11 @@ static inline void add_modal_moments(const Body *body, const Axes *axes, const W
         pairs_combined(body, &pairs, pairs.mid, work->moment, 1.0, moved);
     }
     for (size_t k = 0; k < body->ports; k++, moments += WRENCH_SIZE) {
-        const real *end = work->deflection + 3 * k, *start = work->deflection_start + 3 * k;
-        Vector3 change = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end), vector_of(start)));
+        const real *end = work->deflection + 3 * k;
+        const double *start = deflection_start + 3 * k;
+        Vector3 change = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end), constant_vector(start)));
         Vector3 half = vector_scaled(0.5, vector_of(moved + 3 * k)), turn = vector_of(work->rates + 3 * k);
-        Vector3 turning = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end + l), vector_of(start + l)));
+        Vector3 turning = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end + l), constant_vector(start + l)));
         Vector3 twist = twist_of(turn, vector_of(moved + l + 3 * k)), twisted = twist_of(turn, turning);
         Vector3 velocity = vector_add(matrix_times(axes->end, vector_add(half, change)),
                                       matrix_times(axes->start, vector_subtract(half, change)));

@@ -109,17 +109,17 @@ static inline void add_tension_forces(const Body *body, const real *eta, const W
     for (size_t s = 0; s < n; s++) force[body->second_place[s]] += own.low[s];
 }
 
-/* Second derivatives (rows, rows) of the energy by values of tensions and of their derivatives. */
+/* Second derivatives (count, count) of the energy by values of tensions and of their derivatives. */
 FANFOLD_VECTORISED static void curvature(const double *restrict forms, const double *restrict tension,
                                          const double *restrict slopes, size_t count, size_t rows, size_t length,
                                          double *restrict found) {
     for (size_t s = 0; s < count; s++) {
         const double *own = forms + s * length;
-        double *row = found + s * rows;
-        for (size_t t = 0; t < rows; t++) row[t] = 0.0;
+        double *row = found + s * count;
+        for (size_t t = 0; t < count; t++) row[t] = 0.0;
         for (size_t p = 0, first = 0; first < length; p++, first += rows) {
             const double held = tension[p], slope = slopes[first + s];
-            for (size_t t = 0; t < rows; t++) row[t] += held * own[first + t] + slope * slopes[first + t];
+            for (size_t t = 0; t < count; t++) row[t] += held * own[first + t] + slope * slopes[first + t];
         }
     }
 }
