@@ -42,16 +42,18 @@ from .body_parts.interface import Interface, interface_data
 from .body_parts.load import Load
 from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
-from .body_parts.second_order import ModalPath, change_of, correct_step, settled
+from .body_parts.second_order import ModalPath, correct_step
 from .body_parts.tension import TensionForms, own_tension
 from .body_parts.turn import (
     MAX_ITERATIONS,
     Ending,
     Turned,
+    change_of,
     is_found,
     is_slender,
     newton_turn,
     refuse_unsettled,
+    settled,
 )
 from .body_parts.variables import observations, parameters, states
 from .contract.component import Component, ComponentError, ContinuousStates, Layout, Port, Vector
@@ -322,7 +324,7 @@ class Body(Component):
             ending = Ending(full_matrix(after.inertia), spin, arms, moment_slope @ a_mid, a1)
             change = newton_turn(ending, load, omega, missing, h)
             omega = omega + change
-            earlier, deflection = deflection, change_of(eta0, last, eta1)
+            earlier, deflection = deflection, change_of(self.data.inertia, last, eta1)
             deflected = not self.data.second_order_modes or settled(deflection, earlier)
             if deflected and is_found(change, h):
                 break

@@ -15,8 +15,6 @@ from ..numerics.oscillators import Propagator
 from .ports import BodyPorts
 from .tension import OwnTension
 
-_MODAL_TOLERANCE = 1e-13
-
 
 class _Response(NamedTuple):
     """What a force does to each of S modes over a step, (S,), and by what the coordinates change forces, (S, S)."""
@@ -71,17 +69,6 @@ def correct_step(
     force[:s] += by_end @ end + by_moment @ moment
     slope[:s] += slope_by_end @ end
     return prop.moment(path.start, path.rate, force, slope)
-
-
-def change_of(start: Vector, last: Vector, end: Vector) -> float:
-    """Largest change of the modal coordinates by an iteration of a step from `start` (M,), over the largest of them."""
-    scale = max(float(abs(start).max()), float(abs(end).max()))
-    return float(abs(end - last).max()) / scale if scale else 0.0
-
-
-def settled(change: float, before: float) -> bool:
-    """Whether the next iteration would change them by less, if it does as this one did."""
-    return change <= _MODAL_TOLERANCE or change * change <= _MODAL_TOLERANCE * before
 
 
 def _corrections(residual: Vector, *responses: _Response) -> list[Vector]:

@@ -75,6 +75,19 @@ def is_found(change: Vector, h: float) -> bool:
     return h * float(abs(change).max()) < _ANGLE_TOLERANCE
 
 
+def change_of(inertia: Vector, last: Vector, end: Vector) -> float:
+    """By how much an iteration deflected a body, from modal coordinates to others (M,): as an angle (rad).
+
+    It is the angle whose turn moves the mass as far; inertia: (3, 3).
+    """
+    return float(np.linalg.norm(end - last) / np.sqrt(0.5 * np.trace(inertia)))
+
+
+def settled(change: float, before: float) -> bool:
+    """Whether the next iteration would change the deflection (rad) by less, if it does as this one did."""
+    return change <= _ANGLE_TOLERANCE or change * change <= _ANGLE_TOLERANCE * before
+
+
 def refuse_unsettled(change: Vector, h: float, *, deflected: bool = True) -> None:
     """Refuse a step (s) whose iterations are used up, unless only rounding is left; deflected: and the modes rest."""
     if deflected and h * float(abs(change).max()) < _ANGLE_ROUNDING:

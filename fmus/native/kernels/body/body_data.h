@@ -122,9 +122,13 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
 static int read_mass(Body *body, const Data *data, Reason *why) {
     if (!copy_array(data, "mass", 1, &body->mass, why)) return 0;
     if (!(body->mass > 0.0)) return refuse(why, "mass is %g kg; it must be positive", body->mass);
-    return copy_array(data, "center_of_mass", 3, body->center_of_mass, why) &&
-           copy_array(data, "inertia", 6, body->coupling.inertia, why) &&
-           copy_array(data, "inverse_inertia", 9, body->coupling.inverse, why);
+    const double *inertia = body->coupling.inertia;
+    if (!copy_array(data, "center_of_mass", 3, body->center_of_mass, why) ||
+        !copy_array(data, "inertia", 6, body->coupling.inertia, why) ||
+        !copy_array(data, "inverse_inertia", 9, body->coupling.inverse, why))
+        return 0;
+    body->turning = sqrt(0.5 * (inertia[0] + inertia[1] + inertia[2]));
+    return 1;
 }
 
 static int read_carried(Body *body, const Data *data, Reason *why) {

@@ -26,6 +26,7 @@ typedef struct {
 typedef struct {
     size_t ports, modes, padded_modes, coordinates; /* coordinates: 3 a port, padded */
     double mass, center_of_mass[3];
+    double turning; /* root of the sum of mass times square of its distance from the centre of mass */
     InertiaCoupling coupling;
     Oscillators oscillators;
     double *damping_ratio;    /* before the scale */

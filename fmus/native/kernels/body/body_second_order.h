@@ -7,8 +7,6 @@
 #include "body_tension.h"
 #include "dense.h"
 
-#define MODAL_TOLERANCE 1e-13
-
 /* What modal coordinates add to the shapes of the modes of second order: rows of 2 coordinates, at the end of a step and at
    its mean. `some` and `slope` hold a number a mode of second order, `last` the modal coordinates of the last
    iterate. Of Newton's correction: conjugate wrenches and their slopes, by what coordinates change the forces of both,
@@ -215,18 +213,20 @@ static inline void correct_stretching_forces(const Body *body, const Propagator 
         }
 }
 
-/* Largest change of the modal coordinates by an iteration, over the largest of them; not finite where one is not. */
+/* Sum of the squares of what an iteration changed values by. */
+FANFOLD_VECTORISED static double squared_change(const real *last, const real *next, size_t count) {
+    double sums[FANFOLD_LANES] = {0.0};
+    for (size_t j = 0; j < count; j += FANFOLD_LANES)
+        for (size_t k = 0; k < FANFOLD_LANES; k++) {
+            const double moved = value_of(next[j + k]) - value_of(last[j + k]);
+            sums[k] += moved * moved;
+        }
+    return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+/* By how much an iteration deflected the body, as the angle (rad) whose turn moves its mass as far. */
 static inline double modal_change(const Body *body, const Work *work) {
-    const Pairs pairs = pairs_of(body, work);
-    double change = 0.0, scale = 0.0, sum = 0.0;
-    for (size_t j = 0; j < body->padded_modes; j++) {
-        const double now = value_of(work->eta[j]), start = fabs(value_of(work->eta_start[j]));
-        const double moved = fabs(now - value_of(pairs.last[j])), size = fabs(now) > start ? fabs(now) : start;
-        change = moved > change ? moved : change;
-        scale = size > scale ? size : scale;
-        sum += now;
-    }
-    return sum - sum != 0.0 ? NAN : scale > 0.0 ? change / scale : 0.0;
+    return sqrt(squared_change(pairs_of(body, work).last, work->eta, body->padded_modes)) / body->turning;
 }
 
 /* Whether the next iteration would change them by less: by as much less than this one as this did than the one before. */

@@ -189,7 +189,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
             change = modal_change(body, work);
             slope_before = slope_of;
             slope_of = slope_change(pairs_of(body, work).last, work->eta, n);
-            found = found && settled(change, before, MODAL_TOLERANCE);
+            found = found && settled(change, before, ANGLE_TOLERANCE);
             done = done && found && settled(slope_of, slope_before, SLOPE_TOLERANCE);
         }
         turned->omega = next;
