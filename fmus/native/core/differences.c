@@ -47,7 +47,7 @@ static double *place_of(Instance *instance, uint32_t known) {
 /* What follows from the knowns is to be computed anew. */
 static void forget(const Query *query) {
     Instance *instance = query->instance;
-    instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
+    instance->outputs_known = instance->observations_known = instance->continuous.known = instance->inputs_finite = 0;
     if (query->parameters)
         instance->prepared = 0;
     if (instance->mode < MODE_STEP)

@@ -32,11 +32,11 @@ int evaluate_all_finite(const double *numbers, size_t count, size_t *bad) {
     return *bad == count;
 }
 
-static int inputs_finite(const Instance *instance, Reason *why) {
+static int inputs_finite(Instance *instance, Reason *why) {
     size_t bad = 0;
     char name[200];
-    if (evaluate_all_finite(evaluate_inputs(instance), instance->sizes.inputs, &bad))
-        return 1;
+    if (instance->inputs_finite || evaluate_all_finite(evaluate_inputs(instance), instance->sizes.inputs, &bad))
+        return instance->inputs_finite = 1;
     layout_scalar_name(instance, (uint32_t)(instance->ends[0] + bad), name, sizeof name);
     return refuse(why, "input %s is %g; it must be a finite number", name, evaluate_inputs(instance)[bad]);
 }

@@ -34,7 +34,7 @@ Status instance_reset(Instance *instance) {
     instance->time = 0.0;
     instance->stop_time = INFINITY;
     instance->prepared = instance->has_state = instance->stepped = instance->event_due = 0;
-    instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
+    instance->outputs_known = instance->observations_known = instance->continuous.known = instance->inputs_finite = 0;
     input_slopes_reset(instance);
     return STATUS_OK;
 }

@@ -71,6 +71,7 @@ typedef struct {
     double *apart; /* room for differences, see differences.h */
     Mode mode;
     int feedthrough, prepared, has_state, stepped, event_due, outputs_known, observations_known;
+    int inputs_finite; /* known to be; those that are set are checked then */
     Continuous continuous;
     InputSlopes slopes;
 } Instance;
@@ -79,7 +80,7 @@ typedef struct {
 typedef struct {
     char owner[16];
     double time;
-    int mode, has_state, event_due, exchange, interpolates;
+    int mode, has_state, event_due, exchange, interpolates, inputs_finite;
     size_t known, states;
     double numbers[];
 } SavedState;

@@ -31,6 +31,7 @@ Status instance_save(Instance *instance, SavedState **state) {
     saved->event_due = instance->event_due;
     saved->exchange = instance->continuous.used;
     saved->interpolates = instance->slopes.used;
+    saved->inputs_finite = instance->inputs_finite;
     memcpy(saved->numbers, instance->values, (known - rates) * sizeof(double));
     memcpy(saved->numbers + known - rates, instance->slopes.rates, rates * sizeof(double));
     if (instance->has_state)
@@ -53,6 +54,7 @@ Status instance_restore(Instance *instance, const SavedState *state) {
     memcpy(instance->values, state->numbers, instance->ends[1] * sizeof(double));
     memcpy(instance->slopes.rates, state->numbers + instance->ends[1], instance->slopes.count * sizeof(double));
     instance->slopes.used = state->interpolates;
+    instance->inputs_finite = state->inputs_finite;
     memcpy(instance->x, state->numbers + state->known, state->states * sizeof(double));
     if (instance->kernel->settle)
         instance->kernel->settle(instance->self);
@@ -137,6 +139,7 @@ Status instance_deserialize(Instance *instance, const unsigned char *bytes, size
     state->event_due = header[5] != 0.0;
     state->exchange = header[6] != 0.0;
     state->interpolates = header[7] != 0.0;
+    state->inputs_finite = 0;
     memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
     return STATUS_OK;
 }

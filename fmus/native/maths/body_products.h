@@ -150,16 +150,16 @@ static inline void rows_projected_twice(const double *rows, size_t count, size_t
 /* out = sum of weight[k] times row k; `count` rows of `length` numbers, a multiple of FANFOLD_LANES. */
 FANFOLD_VECTORISED static void rows_combined_double(const double *restrict rows, size_t count, size_t length,
                                                     const double *restrict weight, double *restrict out) {
-    size_t k = 0;
-    for (size_t i = 0; i < length; i++) out[i] = 0.0;
-    for (; k + FANFOLD_LANES <= count; k += FANFOLD_LANES) {
+    size_t k = count % FANFOLD_LANES;
+    for (size_t i = 0; i < length; i++) out[i] = k > 0 ? weight[0] * rows[i] : 0.0;
+    for (size_t j = 1; j < k; j++)
+        for (size_t i = 0; i < length; i++) out[i] += weight[j] * rows[j * length + i];
+    for (; k < count; k += FANFOLD_LANES) {
         const double *row = rows + k * length;
         double w0 = weight[k], w1 = weight[k + 1], w2 = weight[k + 2], w3 = weight[k + 3];
         for (size_t i = 0; i < length; i++)
             out[i] += w0 * row[i] + w1 * row[length + i] + w2 * row[2 * length + i] + w3 * row[3 * length + i];
     }
-    for (; k < count; k++)
-        for (size_t i = 0; i < length; i++) out[i] += weight[k] * rows[k * length + i];
 }
 
 /* out[k] = scalar product of row k with `weight`. */

@@ -38,17 +38,26 @@ FANFOLD_VECTORISED static void triangles_combined_double(const Triangles *triang
         size_t k = run->row;
         double *own = out + run->part * n;
         double w0 = weight[k], w1 = weight[k + 1], w2 = weight[k + 2], w3 = weight[k + 3];
-        Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0}, diagonal = {0.0};
-        for (size_t left = run->count; left > 0; left--, blocks += TRIANGLE_BLOCK) {
+        Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0};
+        size_t left = run->count;
+        if (*column == k) { /* the diagonal comes first, and most often alone */
+            memcpy(&r0, blocks, sizeof r0);
+            memcpy(&r1, blocks + FANFOLD_LANES, sizeof r1);
+            memcpy(&r2, blocks + 2 * FANFOLD_LANES, sizeof r2);
+            memcpy(&r3, blocks + 3 * FANFOLD_LANES, sizeof r3);
+            memcpy(&y, own + k, sizeof y);
+            y += w0 * r0 + w1 * r1 + w2 * r2 + w3 * r3;
+            memcpy(own + k, &y, sizeof y);
+            blocks += TRIANGLE_BLOCK;
+            column++;
+            if (--left == 0) continue;
+        }
+        for (; left > 0; left--, blocks += TRIANGLE_BLOCK) {
             size_t j = *column++;
             memcpy(&r0, blocks, sizeof r0);
             memcpy(&r1, blocks + FANFOLD_LANES, sizeof r1);
             memcpy(&r2, blocks + 2 * FANFOLD_LANES, sizeof r2);
             memcpy(&r3, blocks + 3 * FANFOLD_LANES, sizeof r3);
-            if (j == k) {
-                diagonal = w0 * r0 + w1 * r1 + w2 * r2 + w3 * r3;
-                continue;
-            }
             memcpy(&x, weight + j, sizeof x);
             memcpy(&y, own + j, sizeof y);
             y += w0 * r0 + w1 * r1 + w2 * r2 + w3 * r3;
@@ -60,7 +69,7 @@ FANFOLD_VECTORISED static void triangles_combined_double(const Triangles *triang
         }
         LANES_SUM(x, s0, s1, s2, s3);
         memcpy(&y, own + k, sizeof y);
-        y += diagonal + triangles->sign * x;
+        y += triangles->sign * x;
         memcpy(own + k, &y, sizeof y);
     }
 }

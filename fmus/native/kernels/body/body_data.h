@@ -83,6 +83,14 @@ static int remembered_allocate(const Body *body, Remembered *remembered, size_t 
            remembered->deflection && remembered->pairs;
 }
 
+static int departure_allocate(const Body *body, Departure *departure, Memory *memory) {
+    const size_t mode = (body->padded_modes + 1) * sizeof(double);
+    departure->momenta = allocate(memory, mode);
+    departure->rates = allocate(memory, mode);
+    departure->b = allocate(memory, 3 * mode);
+    return departure->momenta && departure->rates && departure->b;
+}
+
 /* Working memory that is too large for the stack; 0 without memory. */
 static int allocate_work(Body *body, Memory *memory) {
     size_t numbers = WORK_SIZE(body->padded_modes, body->coordinates) +
@@ -112,6 +120,7 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
         !body->port_orientation || !body->shapes || !body->second_place || !body->pairs ||
         !body->tension_forms || !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
+        !departure_allocate(body, &body->departure, memory) ||
         !remembered_allocate(body, &body->at_start, sizeof(double), memory) ||
         !remembered_allocate(body, &body->at_end, sizeof(double), memory) ||
         !remembered_allocate(body, &body->at_end_complex, sizeof(double complex), memory))

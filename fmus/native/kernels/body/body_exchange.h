@@ -41,7 +41,10 @@ static inline void exchange_modal_rates(Body *body, const real *x, const Load *l
     load_modes(body, x, work->eta_mean, work->pi);
     memcpy(work->rate_mean, work->pi, n * sizeof(real));
     evaluate_coupling(body, work->eta_mean, &work->mid, inertia);
-    if (body->coupling.full) modal_rate(n, omega, work->mid.b, work->pi, work->rate_mean);
+    if (body->coupling.full) {
+        modal_rate(n, omega, work->mid.b, work->pi, work->rate_mean);
+        gyroscopic_of(&body->coupling, work->rate_mean, work->mid.b_rate, &work->mid);
+    }
     deformed_arms(body, work->eta_mean, work);
     if (body->second_order) hold_pairs(body, work);
     coupled_forces(body, omega, omega, (Vector3){0.0, 0.0, 0.0}, work);

@@ -23,6 +23,13 @@ typedef struct {
     void *eta, *quadratic, *b, *inertia, *deflection, *pairs;
 } Remembered;
 
+/* What the start of a step gives to all steps from there besides, for modal momenta and an angular velocity: modal rates,
+   and B of these. */
+typedef struct {
+    int known;
+    double *momenta, *rates, *b, omega[3];
+} Departure;
+
 typedef struct {
     size_t ports, modes, padded_modes, coordinates; /* coordinates: 3 a port, padded */
     double mass, center_of_mass[3];
@@ -48,6 +55,7 @@ typedef struct {
     int has_carried;     /* 1: `carried` tells loads without what accelerates bodies that a base carries */
     double carried[WRENCH_SIZE * CARRIED_COLUMNS];
     Remembered at_start, at_end, at_end_complex;
+    Departure departure;
     void *work, *work_complex; /* of a large body */
 } Body;
 

@@ -177,99 +177,99 @@ static inline void remember_end(Body *body, const Work *work, const real inertia
     remember(body, end_of(body), &present);
 }
 
-/* Has the same of the start of a step remembered; no derivative enters there. */
-void body_remember_start(Body *body, const double *eta);
+/* Has what the start of a step gives to all steps from there evaluated where it is not known. No derivative enters. */
+void body_depart(Body *body, const double *eta, const double *momenta, const double *omega);
 
 #ifndef FANFOLD_COMPLEX
 
-void body_remember_start(Body *body, const double *eta) {
+/* Has the same of the start of a step remembered. */
+static inline void remember_start(Body *body, const double *eta, const Work *work) {
     const Remembered *known = known_at(body, eta);
     if (known == &body->at_start) return;
+    body->departure.known = 0;
     if (known) {
         remember(body, &body->at_start, known);
         return;
     }
-    LocalWork stack;
-    Work work = work_of(body, &stack);
     double inertia[6];
     memcpy(inertia, body->coupling.inertia, sizeof inertia);
-    evaluate_coupling(body, eta, &work.coupling, inertia);
-    deflect(body, eta, &work);
-    const Remembered present = present_of(body, eta, inertia, &work);
+    evaluate_coupling(body, eta, &work->coupling, inertia);
+    deflect(body, eta, work);
+    const Remembered present = present_of(body, eta, inertia, work);
     remember(body, &body->at_start, &present);
 }
 
-#endif
-
-/* Rates at the start of a step. */
-FANFOLD_VECTORISED static void start_rates(size_t n, const double *omega, const double *restrict b,
-                                           const real *restrict pi, real *restrict rate) {
-    for (size_t j = 0; j < n; j++)
-        rate[j] = pi[j] - (omega[0] * b[j] + omega[1] * b[n + j] + omega[2] * b[2 * n + j]);
+void body_depart(Body *body, const double *eta, const double *momenta, const double *omega) {
+    const size_t size = body->padded_modes * sizeof(double);
+    Departure *departure = &body->departure;
+    LocalWork stack;
+    const Work work = work_of(body, &stack);
+    remember_start(body, eta, &work);
+    if (departure->known && memcmp(departure->momenta, momenta, size) == 0 &&
+        memcmp(departure->omega, omega, sizeof departure->omega) == 0)
+        return;
+    memcpy(departure->momenta, momenta, size);
+    memcpy(departure->rates, momenta, size);
+    memcpy(departure->omega, omega, sizeof departure->omega);
+    if (body->coupling.full) {
+        modal_rate(body->padded_modes, vector_of(omega), body->at_start.b, momenta, departure->rates);
+        gyroscopic_of(&body->coupling, departure->rates, departure->b, &work.coupling);
+    }
+    departure->known = 1;
 }
+
+#endif
 
 static inline void copied(const double *numbers, size_t count, real *out) {
     for (size_t i = 0; i < count; i++) out[i] = numbers[i];
 }
 
-/* The modes at the start of a step: coordinates, momenta, rates, no slope, turns of the ports, and the coupling, from which
-   that of the end sets out. No derivative enters here. */
+/* The modes at the start of a step: coordinates, momenta, rates, no slope, turns of the ports, and the coupling, which
+   stands for the whole step. No derivative enters here. */
 static inline void start_modes(Body *body, const double *x, const Work *work, real *turns, real inertia[6]) {
-    size_t m = body->modes, n = body->padded_modes;
+    size_t m = body->modes, n = body->padded_modes, l = body->coordinates;
     const Remembered *start = &body->at_start;
-    double *eta = work->coupling.split;
+    double *eta = work->coupling.split, *momenta = eta + n;
     for (size_t j = 0; j < n; j++) {
-        work->eta[j] = work->eta_start[j] = work->eta_mean[j] = eta[j] = j < m ? x[X_MODAL_AMPLITUDE + body->order[j]] : 0.0;
-        work->rate_mean[j] = work->pi_start[j] = j < m ? x[X_MODAL_AMPLITUDE + m + body->order[j]] : 0.0;
+        eta[j] = j < m ? x[X_MODAL_AMPLITUDE + body->order[j]] : 0.0;
+        momenta[j] = j < m ? x[X_MODAL_AMPLITUDE + m + body->order[j]] : 0.0;
+        work->eta[j] = work->eta_start[j] = work->eta_mean[j] = eta[j];
+        work->pi_start[j] = momenta[j];
         work->slope[j] = 0.0;
     }
-    body_remember_start(body, eta);
+    body_depart(body, eta, momenta, x + X_ANGULAR_VELOCITY);
     const double *deflection = start->deflection;
     for (size_t i = 0; i < 3 * body->ports; i++) work->arms[i] = body->arms[i] + deflection[i];
-    copied(deflection + body->coordinates, body->coordinates, turns);
-    if (body->second_order)
-        copied(start->pairs, body->second_order * 2 * body->coordinates, pairs_of(body, work).mid);
+    copied(body->departure.rates, n, work->rate_mean);
+    copied(deflection + l, l, turns);
+    if (body->second_order) copied(start->pairs, body->second_order * 2 * l, pairs_of(body, work).mid);
     copied(start->inertia, 6, inertia);
     if (!body->coupling.full) return;
-    copied(start->quadratic, 6 * n, work->coupling.quadratic);
-    copied(start->b, 3 * n, work->coupling.b);
-    start_rates(n, x + X_ANGULAR_VELOCITY, start->b, work->pi_start, work->rate_mean);
+    copied(start->quadratic, 6 * n, work->mid.quadratic);
+    copied(start->b, 3 * n, work->mid.b);
+    copied(body->departure.b, 3 * n, work->mid.b_rate);
 }
 
-/* The modes over a step under their force, which the port forces join, and the means the iteration needs. */
+/* The modes over a step under their force, which the port forces join, and its slope, and the means the iteration needs. */
 FANFOLD_VECTORISED static void propagate(const Propagator *prop, size_t n, const Work *work) {
     const real *restrict eta_start = work->eta_start, *restrict pi_start = work->pi_start;
-    const real *restrict drag = work->drag, *restrict port_force = work->port_force;
+    const real *restrict drag = work->drag, *restrict port_force = work->port_force, *restrict slope = work->slope;
     real *restrict force = work->force, *restrict eta = work->eta, *restrict pi = work->pi;
     real *restrict rate_start = work->rate_start;
     real *restrict eta_mean = work->eta_mean, *restrict rate_mean = work->rate_mean;
     const double *restrict a11 = prop->a11, *restrict a12 = prop->a12, *restrict a21 = prop->a21;
-    const double *restrict a22 = prop->a22, *restrict b1 = prop->b1;
+    const double *restrict a22 = prop->a22, *restrict b1 = prop->b1, *restrict c1 = prop->c1, *restrict c2 = prop->c2;
+    const double sixth = prop->h / 6.0;
     for (size_t j = 0; j < n; j++) {
-        real q = force[j] + port_force[j], v = pi_start[j] - drag[j];
-        real end = a11[j] * eta_start[j] + a12[j] * v + b1[j] * q;
-        real end_rate = a21[j] * eta_start[j] + a22[j] * v + a12[j] * q;
+        real q = force[j] + port_force[j], v = pi_start[j] - drag[j], s = slope[j];
+        real end = a11[j] * eta_start[j] + a12[j] * v + b1[j] * q + c1[j] * s;
+        real end_rate = a21[j] * eta_start[j] + a22[j] * v + a12[j] * q + c2[j] * s;
         force[j] = q;
         rate_start[j] = v;
         eta[j] = end;
         pi[j] = end_rate + drag[j];
         eta_mean[j] = 0.5 * (eta_start[j] + end);
-        rate_mean[j] = 0.5 * (v + end_rate);
-    }
-}
-
-/* What slopes of the forces, which `propagate` held, add to that. */
-FANFOLD_VECTORISED static void propagate_slopes(const Propagator *prop, size_t n, const Work *work) {
-    const real *restrict slope = work->slope;
-    real *restrict eta = work->eta, *restrict pi = work->pi;
-    real *restrict eta_mean = work->eta_mean, *restrict rate_mean = work->rate_mean;
-    const double *restrict c1 = prop->c1, *restrict c2 = prop->c2, sixth = prop->h / 6.0;
-    for (size_t j = 0; j < n; j++) {
-        real travel = c1[j] * slope[j], gain = c2[j] * slope[j];
-        eta[j] += travel;
-        eta_mean[j] += 0.5 * travel;
-        pi[j] += gain;
-        rate_mean[j] += 0.5 * gain - sixth * slope[j];
+        rate_mean[j] = 0.5 * (v + end_rate) - sixth * s;
     }
 }
 
@@ -315,7 +315,10 @@ FANFOLD_VECTORISED static void subtract_drag(size_t n, Vector3 v, const real *re
 static inline void couple_mean(const Body *body, const Work *work, real inertia[6]) {
     const InertiaCoupling *coupling = &body->coupling;
     const Remembered *start = &body->at_start;
-    if (coupling->full) coupling_mean(body->padded_modes, start->quadratic, start->b, &work->coupling, &work->mid);
+    if (coupling->full) {
+        coupling_mean(body->padded_modes, start->quadratic, start->b, &work->coupling, &work->mid);
+        gyroscopic_of(coupling, work->rate_mean, work->mid.b_rate, &work->mid);
+    }
     if (coupling->varies) inertia_at(coupling, work->eta_mean, &work->mid, inertia);
 }
 
@@ -326,7 +329,6 @@ static inline void coupled_forces(const Body *body, Vector3 start, Vector3 end, 
         for (size_t j = 0; j < body->padded_modes; j++) work->force[j] = work->drag[j] = 0.0;
         return;
     }
-    if (coupling->full) gyroscopic_of(coupling, work->rate_mean, work->mid.b_rate, &work->mid);
     coupling_forces(coupling, start, end, bend, &work->mid, work->force, work->drag);
 }
 

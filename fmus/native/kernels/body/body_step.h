@@ -135,7 +135,6 @@ static inline void propagate_corrected(const Body *body, const Propagator *prop,
     moments_of_momenta(&body->oscillators, prop, n, work);
     correct_stretching_forces(body, prop, sloped, work, work->port_force, work->slope);
     propagate(prop, n, work);
-    propagate_slopes(prop, n, work);
     moments_of_momenta(&body->oscillators, prop, n, work);
 }
 
@@ -150,7 +149,8 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     Vector3 momentum, bend = {0.0, 0.0, 0.0};
     double change = 0.0, before = 0.0, slope_of = 0.0, slope_before = 0.0; /* by iterations, of modes of second order */
     int done = 0, found = 0, sloped = load->sloped || body->forms; /* tension changes within a step */
-    start_modes(body, x, work, turns, turned->inertia_end);
+    start_modes(body, x, work, turns, turned->inertia);
+    memcpy(turned->inertia_end, turned->inertia, sizeof turned->inertia);
     const double *turns_start = (const double *)body->at_start.deflection + l;
     turned->omega = turned->end = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
@@ -158,7 +158,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     if (body->forms) hold_tensions(body, work->eta_start, work);
     for (int i = 0; i < MAX_ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
-        couple_mean(body, work, turned->inertia);
+        if (i > 0) couple_mean(body, work, turned->inertia);
         modal_forces(body, load, axes->start, axes->mid, axes->end, turns, work);
         if (body->second_order) memcpy(pairs_of(body, work).last, work->eta, n * sizeof(real));
         if (load->sloped) bend = bend_of(body, moment.slope, h, axes->mid, turned->inertia, work);
@@ -168,7 +168,6 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
             add_tension_forces(body, pairs_of(body, work).last, work, work->force, work->slope);
         }
         propagate(prop, n, work);
-        if (sloped) propagate_slopes(prop, n, work);
         if (body->second_order)
             propagate_corrected(body, prop, load->sloped, i != 1 && !(i && change <= SLOW * before), work);
         if (body->forms) end_tensions(body, work->eta, work->moment, work);
