@@ -19,6 +19,7 @@ from .second_order import solved
 
 MAX_ITERATIONS = 40
 _ANGLE_TOLERANCE = 1e-13
+_DEFLECTION_TOLERANCE = 1e-14  # energies of bending follow from deflections that are small angles themselves
 _ANGLE_ROUNDING = 1e-9  # rad that a slender body's turn may keep changing by from iteration to iteration
 _SLENDER = 20.0  # ratio of moments of inertia from which what a body turns by in a step tells in its mobility
 
@@ -85,7 +86,7 @@ def change_of(inertia: Vector, last: Vector, end: Vector) -> float:
 
 def settled(change: float, before: float) -> bool:
     """Whether the next iteration would change the deflection (rad) by less, if it does as this one did."""
-    return change <= _ANGLE_TOLERANCE or change * change <= _ANGLE_TOLERANCE * before
+    return change <= _DEFLECTION_TOLERANCE or change * change <= _DEFLECTION_TOLERANCE * before
 
 
 def refuse_unsettled(change: Vector, h: float, *, deflected: bool = True) -> None:

@@ -9,6 +9,7 @@
 
 #define MAX_ITERATIONS 40
 #define ANGLE_TOLERANCE 1e-13
+#define DEFLECTION_TOLERANCE 1e-14 /* energies of bending follow from deflections that are small angles themselves */
 #define ANGLE_ROUNDING 1e-9
 #define SLOPE_TOLERANCE 1e-12
 #define SLOW 0.1 /* contraction of an iteration, from which on its matrix is made anew */
@@ -188,7 +189,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
             change = modal_change(body, work);
             slope_before = slope_of;
             slope_of = slope_change(pairs_of(body, work).last, work->eta, n);
-            found = found && settled(change, before, ANGLE_TOLERANCE);
+            found = found && settled(change, before, DEFLECTION_TOLERANCE);
             done = done && found && settled(slope_of, slope_before, SLOPE_TOLERANCE);
         }
         turned->omega = next;
