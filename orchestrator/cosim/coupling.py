@@ -48,7 +48,7 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "watch": ((_POINTER,), None),
     "observe": ((_POINTER,), c_int),
     "note_roughness": ((_POINTER, _REAL), c_int),
-    "record_jump": ((_POINTER, _REAL, c_int, c_int), c_int),
+    "record_jump": ((_POINTER, _REAL, c_int), c_int),
     "is_untold": ((_POINTER,), c_int),
     "impulse": ((_POINTER, _REAL), c_int),
     "record_impulse": ((_POINTER,), None),
@@ -269,13 +269,12 @@ class Coupling:
         """Before an event: note by how much loads of an instant differ from those of steps."""
         self._check(self._library.fanfold_note_roughness(self._handle, self.instant(self.size)))
 
-    def record_jump(self, after: float, *, others: bool = False, keeps_bodies: bool = False) -> bool:
+    def record_jump(self, after: float, *, others: bool = False) -> bool:
         """Write a row with loads an instant `after` (s) an event; whether this instant could be solved.
 
-        others: whether more acts at this instant; the last of it then writes the row. keeps_bodies: whether the
-        mobilities of bodies stay valid.
+        others: whether more acts at this instant; the last of it then writes the row.
         """
-        self._check(self._library.fanfold_record_jump(self._handle, after, others, keeps_bodies))
+        self._check(self._library.fanfold_record_jump(self._handle, after, others))
         self.hand_on_rows()
         return bool(self._progress.solved)
 

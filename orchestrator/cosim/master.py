@@ -46,6 +46,7 @@ class Master(CoSimulation):
     ) -> None:
         super().__init__(network, hinge_lines, recorder, settings, events, signals)
         self._events = {event.name: event for event in events}
+        self._body_names = {body.name for body in network.bodies}
         self._plan = StepPlan(settings.step_plan or ())
         self._chooses_steps = settings.fixed_step is None and settings.step_plan is None
         self.coupling.settle_for(
@@ -137,7 +138,7 @@ class Master(CoSimulation):
         coupling = self.coupling
         coupling.note_roughness()
         self._act(event)
-        coupling.forget(bodies=True)
+        coupling.forget(bodies=any(setting.part in self._body_names for setting in event.settings))
         latching = [line for line in self._pending if line.name in event.latches]
         self._record_jump(self._instant(coupling.size), others=bool(latching))
         coupling.watch()
@@ -149,7 +150,7 @@ class Master(CoSimulation):
     def _pass_break(self) -> None:
         """Continue after a break of a law; where a hold-down has let go, with a row of the jump of loads."""
         if self._lets_go:
-            self.coupling.forget(bodies=True)
+            self.coupling.forget()
             self._record_jump(self._instant(self.coupling.size))
         self._renew()
 
@@ -160,9 +161,8 @@ class Master(CoSimulation):
             size = coupling.size
             after = self._instant(size)
             before = coupling.predicted(after)
-            keeps_bodies = not self._signals.sets_bodies
-            coupling.forget(bodies=not keeps_bodies)
-            solved = self._record_jump(after, keeps_bodies=keeps_bodies)
+            coupling.forget(bodies=self._signals.sets_bodies)
+            solved = self._record_jump(after)
             self._renew(coupling.step_after_jump(size, coupling.wrenches - before) if solved else 0.0)
         else:
             coupling.begin_segment()
@@ -211,10 +211,10 @@ class Master(CoSimulation):
         waiting = [line for line in self._pending if line not in self._acting]
         return [line for line in waiting if self._numbers[line.name] in passed]
 
-    def _record_jump(self, after: float, *, others: bool = False, keeps_bodies: bool = False) -> bool:
+    def _record_jump(self, after: float, *, others: bool = False) -> bool:
         """Write a row with the jump of what just acted, unless others act at this instant; whether it was solved."""
         others |= any(one in (*self._pending, *self._scheduled.conditional) for one in self._acting)
-        return self.coupling.record_jump(after, others=others, keeps_bodies=keeps_bodies)
+        return self.coupling.record_jump(after, others=others)
 
     def _record_untold(self) -> None:
         """Write the row of this instant, if it was left to a later event that did not write it."""

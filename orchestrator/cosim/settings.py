@@ -15,10 +15,10 @@ TIME_ROUNDING = 1e-12  # s, what sums of step sizes may leave
 class Settings:
     """Settings of the master.
 
-    tolerance: requested relative accuracy of a run. largest_step, smallest_step, start_step: for tolerances down to
-    1e-4; below, they go with its square root, as the error of rotations goes with the square of a step. smallest_step:
-    limit of step-size control. start_step: largest step before two steps allow an error estimate, at the start and
-    after events; vibrations that start there, of joints under motors or latches, begin with these steps. fixed_step:
+    tolerance: requested relative accuracy of a run. largest_step, smallest_step, start_step: at the tolerance 1e-4;
+    the library scales them with the tolerance (`coupling_take_tolerance`). smallest_step: limit of step-size control.
+    start_step: largest step before two steps allow an error estimate, at the start and after events; vibrations that
+    start there, of joints under motors or latches, begin with these steps. fixed_step:
     constant communication step size instead of control, divided only if it does not converge. step_plan: step sizes of
     an earlier run to follow, one list per segment between events. driving: reference energy and load of the scene.
     order: of the coupling; None: the best one. snapshot_every: time (s) between snapshots for `keep` of the master;

@@ -66,7 +66,7 @@ def with_estimates(
     ):
         try:
             bounded = _Bounded(watch, outcome.costs.steps)
-            coarser = run(assembly, None, _coarser(settings, outcome.order), until, watch=bounded, load=load)
+            coarser = run(assembly, None, _coarser(settings), until, watch=bounded, load=load)
             outcome = _compared(outcome, coarser)
         except InterruptedRunError:
             raise
@@ -103,17 +103,11 @@ def with_estimates(
     return outcome, settings
 
 
-def _coarser(settings: Settings, order: int) -> Settings:
-    """Settings of the run that errors are estimated from; steps that no tolerance limits are longer as well."""
+def _coarser(settings: Settings) -> Settings:
+    """Settings of the run that errors are estimated from."""
     if settings.fixed_step is not None:
         return replace(settings, fixed_step=2.0 * settings.fixed_step)
-    longer = _DECADE ** (-1.0 / order)
-    return replace(
-        settings,
-        tolerance=settings.tolerance / _DECADE,
-        largest_step=longer * settings.largest_step,
-        start_step=longer * settings.start_step,
-    )
+    return replace(settings, tolerance=settings.tolerance / _DECADE)
 
 
 def _largest(outcome: Outcome) -> tuple[str, float]:

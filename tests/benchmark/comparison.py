@@ -32,7 +32,7 @@ from tests.benchmark.models.one_panel import UNTIL, Subject, Trial, couple, subj
 from tests.benchmark.stability import MasterName
 
 TOLERANCES: dict[Backend, tuple[float, ...]] = {
-    "native": (1.0, 3e-1, 1e-1, 6e-2, 4e-2, 2.5e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5),
+    "native": (1.0, 3e-1, 1e-1, 6e-2, 4e-2, 2.5e-2, 1e-2, 5e-3, 3e-3, 1e-3, 1e-4, 1e-5),
     "python": (1e-1, 1e-2),
 }
 EXPLICIT: tuple[MasterName, ...] = ("jacobi", "gauss-seidel")
@@ -51,7 +51,7 @@ TWO_STEPS = (
 ONE_STEP = (1e-2, 5e-3, 4e-3, 3e-3, 2e-3, 1e-3, 5e-4)
 PYTHON_WINDOW = 300
 LEVELS = (2e-2, 6e-3, 1e-3, 1e-4)
-OURS, MONOLITH = "fanfold, native", "exudyn"
+OURS, TWO_STEPS_OF_OURS, MONOLITH = "fanfold, native", "fanfold, native, two steps", "exudyn"
 _OFF = 0.5
 """A larger relative error is no answer: the run diverged."""
 
@@ -88,7 +88,7 @@ def plan(subject: Subject) -> Iterator[Entry]:
     for free, latched in TWO_STEPS:
         setting = f"H {free * 1e3:g}, {latched * 1e3:g} ms"
         if native_library():
-            yield Entry(f"{OURS}, two steps", setting, _planned(subject, free, latched))
+            yield Entry(TWO_STEPS_OF_OURS, setting, _planned(subject, free, latched))
         yield Entry(MONOLITH, setting, _monolith(subject, Steps(free, latched)))
     for h in ONE_STEP:
         yield Entry(f"{MONOLITH}, one step", f"H {h * 1e3:g} ms", _monolith(subject, Steps(h, h)))
@@ -200,7 +200,7 @@ def print_rows(rows: Sequence[Row]) -> None:
 
 
 def print_levels(rows: Sequence[Row]) -> None:
-    """The quickest setting of every series at error levels, as ratios to ours on native FMUs."""
+    """The quickest setting of every series at error levels, as ratios to ours on native FMUs; and Exudyn's over ours."""
     series = list(dict.fromkeys(row.entry.series for row in rows))
     print("wall time in s at errors of both kinds below a level, and ratio to our master on native FMUs")
     print(f"{'series':<28}" + "".join(f"{f'{level:g}':>23}" for level in LEVELS))
@@ -212,6 +212,10 @@ def print_levels(rows: Sequence[Row]) -> None:
             "-" if np.isnan(w) else f"{mark}{w:.3g} ({w / b:.3g})" for w, b in zip(walls, base, strict=True)
         ]
         print(f"{name:<28}" + "".join(f"{cell:>23}" for cell in cells))
+    for name in (OURS, TWO_STEPS_OF_OURS):
+        if name in fastest:
+            over = [theirs / ours for theirs, ours in zip(fastest[MONOLITH], fastest[name], strict=True)]
+            print(f"{MONOLITH} over {name:<18}" + "".join(f"{ratio:>23.3g}" for ratio in over))
 
 
 def _fastest(rows: Sequence[Row], series: str, level: float) -> float:

@@ -33,7 +33,9 @@ EXPORT EnergyGuard *new_guard(const double *energies) {
     begin_guard(g, energies);
     return g;
 }
-EXPORT int allows(EnergyGuard *g, const double *energies, double h) { return guard_allows(g, energies, h); }
+EXPORT int allows(EnergyGuard *g, const double *energies, double h, double share) {
+    return guard_allows(g, energies, h, share);
+}
 EXPORT void gives_in(EnergyGuard *g, const double *energies) { guard_gives_in(g, energies); }
 EXPORT void accepts(EnergyGuard *g, const double *energies) { guard_accepts(g, energies); }
 

@@ -84,7 +84,7 @@ static int judge_struck(Coupling *c, double h) {
 /* Accept or reject the solved step. */
 static int judge_step(Coupling *c, double h) {
     const Network *n = &c->network;
-    if (!guard_allows(&c->guard, n->energies, h)) {
+    if (!guard_allows(&c->guard, n->energies, h, c->limit.jump)) {
         const int rejected = reject(c, 1.0, TOO_LONG, OF_STEP);
         if (rejected != STOPPED_SHORT) return rejected;
         c->progress.failure = NO_FAILURE;

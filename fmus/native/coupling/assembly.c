@@ -199,6 +199,7 @@ static int set_parameter(void *taker, size_t participant, size_t place, double v
     Instance *instance = a->instance[participant];
     a->in_force[a->first_parameter[participant] + place] = value;
     take_parameters(a, participant);
+    if (participant < a->sequence.coupling.network.bodies) forget_all(&a->sequence.coupling.solver);
     return instance_save(instance, a->saved + participant) <= STATUS_WARNING;
 }
 

@@ -10,27 +10,26 @@
 /* The order of `by_tolerance` in orchestrator/cosim/tables.py: largest, smallest and first step (s) of the scene,
    tolerance of iterations over that of the run, and bounds of the former. */
 enum { LARGEST_STEP, SMALLEST_STEP, START_STEP, ITERATED, LEAST_ITERATED, MOST_ITERATED };
-/* Below it, step sizes are proportional to the root of the tolerance, as the error of rotations is to the square of a
-   step. Above it, at order 4, larger steps resolve less ringing, so that the allowed error grows more slowly. */
-#define REFERENCE_TOLERANCE 1e-4
-#define LOOSE 0.25
+#define REFERENCE_TOLERANCE 1e-4 /* for which the step sizes of the scene are meant */
 #define ALLOWED_SHARE (12.0 * 0.0025)
-
-/* Allowed error of a step. Errors of a run are proportional to h^n, those of a step to h^(n + 1): below the reference
-   the allowed one is proportional to tolerance^((n + 1) / n), so that errors of the run follow the tolerance. */
-static double allowed_error(double tolerance, size_t order) {
-    const double ratio = tolerance / REFERENCE_TOLERANCE, loose = order == 4 ? LOOSE : 0.0;
-    return ALLOWED_SHARE * tolerance * pow(ratio, ratio < 1.0 ? 1.0 / (double)order : -loose);
-}
+/* Jump of the balance of energy over the energy in motion: good steps of any length leave 2.5e-5 or less at the reference
+   tolerance, spurious roots up to 1. */
+#define LEAST_JUMP 1e-4
 
 void coupling_take_tolerance(Coupling *c, double tolerance) {
-    const double *by = c->by_tolerance, share = fmin(1.0, sqrt(tolerance / REFERENCE_TOLERANCE));
+    const double *by = c->by_tolerance, ratio = tolerance / REFERENCE_TOLERANCE;
+    /* sizes by errors are proportional to this: errors of a run are to h^order */
+    const double longer = pow(ratio, 1.0 / (double)c->sizes.order);
+    /* below the reference, bounds are proportional to the root, as the error of rotations is to h^2 */
+    const double share = fmin(longer, sqrt(ratio));
     c->network.tolerance.relative = fmin(fmax(by[ITERATED] * tolerance, by[LEAST_ITERATED]), by[MOST_ITERATED]);
     c->sizes.largest = share * by[LARGEST_STEP];
     c->sizes.smallest = share * by[SMALLEST_STEP];
     c->start_step = fmin(share * by[START_STEP], c->sizes.largest);
-    c->limit.allowed = allowed_error(tolerance, c->sizes.order);
-    c->limit.resolved = allowed_error(tolerance, 2);
+    /* the error of a step is to h^(order + 1), so that with it errors of the run are proportional to the tolerance */
+    c->limit.allowed = ALLOWED_SHARE * tolerance * longer;
+    c->limit.resolved = ALLOWED_SHARE * tolerance * sqrt(ratio);
+    c->limit.jump = LEAST_JUMP * fmax(1.0, share * share);
 }
 
 int coupling_fails(Coupling *c, int failure) {
@@ -112,7 +111,7 @@ void coupling_exchange_scalars(Coupling *c, int write) {
                          g->powers + 2,     g->powers + 3};
     size_t *counts[] = {&past->count, &g->trials,        &c->position,     &r->held,
                         &c->untold,   &c->divided.parts, &c->divided.made, &c->network.watched_count};
-    ptrdiff_t *signs[] = {&c->sizes.level, &c->sizes.wait, &c->sizes.stirred};
+    ptrdiff_t *signs[] = {&c->sizes.level, &c->sizes.made};
     for (size_t i = 0; i < sizeof doubles / sizeof *doubles; i++, place++)
         write ? (void)(*place = *doubles[i]) : (void)(*doubles[i] = *place);
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++, place++)

@@ -116,9 +116,8 @@ int coupling_save(Coupling *c);
 int coupling_note_roughness(Coupling *c, double after);
 /* After an event: write a row with the loads just after it, from a step of `after` (s), in which nothing moves and
    which is then taken back. others: whether more is to act at this instant; the last of it then writes the row.
-   keeps_bodies: whether the mobilities of bodies stay valid. `progress.solved` says whether the step could be
-   solved. */
-int coupling_record_jump(Coupling *c, double after, int others, int keeps_bodies);
+   `progress.solved` says whether the step could be solved. */
+int coupling_record_jump(Coupling *c, double after, int others);
 /* Size (s) of a step in which nothing moves, where other steps have a size (s). */
 double instant_of(double size);
 /* Make a step h (s), INSTANT or AGAIN, in which every joint removes the relative rates that it does not allow. Lines

@@ -14,6 +14,12 @@
 
 double instant_of(double size) { return fmin(INSTANT, INSTANT_SHARE * size); }
 
+/* Forget the matrices of an instant, also of bodies where these are the first ones: by differences, they are too rough to
+   be scaled to steps. */
+static void forget_instant(Coupling *c, double after) {
+    c->solver.jacobians.once_h == after ? forget_all(&c->solver) : forget_stiffnesses(&c->solver);
+}
+
 /* Solve a step in which nothing moves, from the wrenches accepted last. */
 static int solve_instant(Coupling *c, double after) {
     const int status = solve(&c->solver, c->progress.time, after, c->network.accepted);
@@ -30,7 +36,7 @@ int coupling_note_roughness(Coupling *c, double after) {
         rows_note_roughness(&c->rows, n, c->progress.time, c->position);
     }
     if (!network_restore(n)) return coupling_fails(c, OF_PARTICIPANT);
-    forget_all(&c->solver);
+    forget_instant(c, after);
     return 1;
 }
 
@@ -42,7 +48,7 @@ static int observe_after(Coupling *c, double after) {
     return (solved || network_restore(n)) && network_observe(n);
 }
 
-int coupling_record_jump(Coupling *c, double after, int others, int keeps_bodies) {
+int coupling_record_jump(Coupling *c, double after, int others) {
     Network *n = &c->network;
     if (!observe_after(c, after)) return coupling_fails(c, OF_PARTICIPANT);
     if (!c->progress.solved) rows_forget_roughness(&c->rows);
@@ -53,7 +59,7 @@ int coupling_record_jump(Coupling *c, double after, int others, int keeps_bodies
         rows_add(&c->rows, n, c->progress.time + after, after, 0.0, c->segment + 0.5);
     }
     if (!network_restore(n)) return coupling_fails(c, OF_PARTICIPANT);
-    keeps_bodies ? forget_stiffnesses(&c->solver) : forget_all(&c->solver);
+    forget_instant(c, after);
     return 1;
 }
 

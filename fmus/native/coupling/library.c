@@ -103,8 +103,8 @@ EXPORT int fanfold_observe(Owned *o) {
     return network_observe(&o->coupling.network) || coupling_fails(&o->coupling, OF_PARTICIPANT);
 }
 EXPORT int fanfold_note_roughness(Owned *o, double after) { return coupling_note_roughness(&o->coupling, after); }
-EXPORT int fanfold_record_jump(Owned *o, double after, int others, int keeps_bodies) {
-    return coupling_record_jump(&o->coupling, after, others, keeps_bodies);
+EXPORT int fanfold_record_jump(Owned *o, double after, int others) {
+    return coupling_record_jump(&o->coupling, after, others);
 }
 EXPORT int fanfold_is_untold(const Owned *o) { return o->coupling.untold != 0; }
 EXPORT int fanfold_impulse(Owned *o, double h) { return coupling_impulse(&o->coupling, h); }

@@ -37,7 +37,7 @@ static int others_act(const Sequence *s) {
 }
 
 static int record_jump(Sequence *s, double after) {
-    if (!coupling_record_jump(&s->coupling, after, others_act(s), 0)) return 0;
+    if (!coupling_record_jump(&s->coupling, after, others_act(s))) return 0;
     hand_on_rows(s);
     return 1;
 }
@@ -112,7 +112,7 @@ static int latch_line(Sequence *s, size_t line, double mark) {
 
 int go_on(Sequence *s, const size_t *latch, size_t latches) {
     Coupling *c = &s->coupling;
-    forget_all(&c->solver);
+    forget_stiffnesses(&c->solver);
     for (size_t i = 0; i < latches; i++)
         if (c->pending[latch[i]]) c->pending[latch[i]] = COMMANDED;
     if (!record_jump(s, instant_now(s))) return 0;
@@ -174,7 +174,7 @@ static int let_act(Sequence *s, size_t first) {
 /* Go on after a break of a law; where a hold-down lets go, with a row of the jump of loads. */
 static int pass_break(Sequence *s) {
     if (s->coupling.progress.lets_go) {
-        forget_all(&s->coupling.solver);
+        forget_stiffnesses(&s->coupling.solver);
         if (!record_jump(s, instant_now(s))) return 0;
     }
     coupling_renew(&s->coupling, 0.0);

@@ -12,17 +12,14 @@
 #define GROWTH_MARGIN 0.5
 #define LEAST_ERROR 1e-9
 enum {
-    STIRRED_STEPS = 3,
-    STEPS_AFTER_GROWTH = STIRRED_STEPS + 1,
-    STEPS_AFTER_SHRINKING = 8,
+    STIRRED_STEPS = 3,      /* first steps after a change of size */
+    STEPS_BEFORE_LEVEL = 8, /* of a size before it grows by a single level */
     MOST_LEVELS = 6,
     MOST_GROWTH = 2,
     STEPS_AFTER_DIVISION = 16,
     PARTS = 4,
     MOST_PARTS = 1024
 };
-/* Largest jump over the energy in motion; good steps of any length leave 2.5e-5 or less, spurious roots up to 1. */
-#define SHARE 1e-4
 /* Share of all energies: rounding of their sums, and what the tolerance of iterations leaves at rest. */
 #define ROUNDED 1e-12
 #define LEAST_KINETIC 1e-17 /* J in motion, for steps in which hardly anything moves yet and all is rounding */
@@ -34,22 +31,21 @@ static ptrdiff_t most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
 
 double size_now(const StepSizes *s) { return s->largest * pow(RATIO, (double)-s->level); }
 
-static void size_changed(StepSizes *s, ptrdiff_t wait) {
-    s->wait = wait;
-    s->stirred = STIRRED_STEPS;
+static void size_changed(StepSizes *s) {
+    s->made = 0;
     s->worst = 0.0;
 }
 
 void restart_sizes(StepSizes *s, double size, int stirred) {
     const double levels = -floor(log(size / s->largest) / log(RATIO) + 1e-9);
     s->level = levels > 0.0 ? (ptrdiff_t)levels : 0;
-    size_changed(s, STEPS_AFTER_GROWTH);
-    if (!stirred) s->stirred = 0;
+    size_changed(s);
+    if (!stirred) s->made = STIRRED_STEPS;
 }
 
 static void go_down(StepSizes *s, ptrdiff_t levels) {
     s->level += levels;
-    size_changed(s, STEPS_AFTER_SHRINKING);
+    size_changed(s);
 }
 
 int shrink_size(StepSizes *s, double share) {
@@ -60,29 +56,26 @@ int shrink_size(StepSizes *s, double share) {
 /* Logarithm of the growth of a step's error by one level. */
 static double per_level(const StepSizes *s) { return (double)(s->order + 1) * log(RATIO); }
 
-/* Go to larger sizes, where the worst error since the last change leaves room. */
+/* Go to larger sizes, where the worst error since the last change leaves room. Each size costs matrices, so that a single
+   level pays only where sizes have settled. */
 static void grow(StepSizes *s) {
     const ptrdiff_t room = (ptrdiff_t)floor(log(GROWTH_MARGIN / fmax(s->worst, LEAST_ERROR)) / per_level(s));
-    if (room < 1 || s->level == 0) return;
+    if (room < (s->made < STEPS_BEFORE_LEVEL ? 2 : 1) || s->level == 0) return;
     s->level = most(0, s->level - least(room, MOST_GROWTH));
-    size_changed(s, STEPS_AFTER_GROWTH);
+    size_changed(s);
 }
 
 int judge_error(StepSizes *s, double error) {
-    const int can_shrink = size_now(s) > 2.0 * s->smallest, is_stirred = s->stirred > 0;
+    const int can_shrink = size_now(s) > 2.0 * s->smallest, is_stirred = s->made < STIRRED_STEPS;
     if (error > (is_stirred ? REJECTED_STIRRED : REJECTED) && can_shrink) {
         const double levels = ceil(log(error) / per_level(s));
         go_down(s, levels < (double)MOST_LEVELS ? most(1, (ptrdiff_t)levels) : MOST_LEVELS);
         return 0;
     }
-    s->wait--;
-    if (is_stirred) {
-        s->stirred--;
-        return 1;
-    }
+    s->made++;
     s->worst = fmax(error, FORGET * s->worst);
-    if (error > 1.0 && can_shrink) go_down(s, 1);
-    else if (s->wait <= 0) grow(s);
+    if (error > 1.0 && can_shrink && !is_stirred) go_down(s, 1);
+    else grow(s);
     return 1;
 }
 
@@ -106,13 +99,13 @@ void begin_guard(EnergyGuard *g, const double *energies) {
     guard_accepts(g, energies);
 }
 
-int guard_allows(EnergyGuard *g, const double *energies, double h) {
+int guard_allows(EnergyGuard *g, const double *energies, double h, double share) {
     const double jump = jump_of(g, energies);
     double all = 0.0, high, low;
-    if (jump <= SHARE * g->kinetic) return 1;
+    if (jump <= share * g->kinetic) return 1;
     for (size_t i = 0; i < ENERGIES; i++) all += fabs(energies[i]);
     const double known = fmax(fmax(g->power * h, g->rounding), ROUNDED * all);
-    if (!(jump > fmax(SHARE * in_motion(g, energies), known))) return 1;
+    if (!(jump > fmax(share * in_motion(g, energies), known))) return 1;
     memmove(g->powers, g->powers + 1, (TRIALS - 1) * sizeof(double));
     g->powers[TRIALS - 1] = jump / h;
     if (g->trials < TRIALS) g->trials++;

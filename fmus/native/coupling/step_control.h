@@ -21,14 +21,14 @@
 
 /* The grid of communication step sizes (s), largest x sqrt(2)^-level, and the present level.
 
-   A change of size excites stiff joints, so sizes change seldom. A step with an error a little above the allowed one is
-   accepted, and the next one is smaller. After a change the size stays for `wait` steps. Errors of the first `stirred`
-   steps after a change are those of this excitation, which smaller steps would only renew: they lead to a rejection
-   only if they are large, and do not influence the next size. worst: largest error since then, which fades. */
+   A step with an error a little above the allowed one is accepted, and the next one is smaller. A change of size excites
+   stiff joints. Errors of the first steps after it are those of this excitation, which smaller steps would only renew:
+   they lead to a smaller size only if they are large, but to none that is larger unless they are small. made: steps
+   since the last change; worst: largest error since then, which fades. */
 typedef struct {
     double largest, smallest, worst;
     size_t order;
-    ptrdiff_t level, wait, stirred;
+    ptrdiff_t level, made;
 } StepSizes;
 
 double size_now(const StepSizes *s);
@@ -43,11 +43,11 @@ int judge_error(StepSizes *s, double error);
 /* Allowed error of a step. allowed: of the bend of wrenches, see error_square. resolved: the same at order 2; it sets
    the phase up to which a vibration with all energy is resolved, as motion after an event is no smoother. energy (J):
    the largest of the work that motors will do, the kinetic energy so far, and LEAST_STORED_SHARE of the energy stored
-   at the start. */
+   at the start. jump: of the balance of energy in a step, over the energy in motion. */
 #define LEAST_STORED_SHARE 1e-3
 #define LEAST_ENERGY 1e-9 /* J */
 typedef struct {
-    double allowed, resolved, energy;
+    double allowed, resolved, energy, jump;
 } ErrorLimit;
 
 /* Share of a step, at most 1, whose error leaves room to grow, where errors are proportional to the step. square: of
@@ -70,8 +70,8 @@ typedef struct {
 } EnergyGuard;
 
 void begin_guard(EnergyGuard *g, const double *energies);
-/* Whether a step h (s) from the energies accepted last to these passes. */
-int guard_allows(EnergyGuard *g, const double *energies, double h);
+/* Whether a step h (s) from the energies accepted last to these passes. share: largest jump over the energy in motion. */
+int guard_allows(EnergyGuard *g, const double *energies, double h, double share);
 /* Let jumps pass from now on that are as large as the one at the smallest step. */
 void guard_gives_in(EnergyGuard *g, const double *energies);
 /* Note the energies at the end of an accepted step. */

@@ -33,7 +33,7 @@ def finished(tmp_path_factory):
     """A run without estimates, and runs at ten times, a tenth and a hundredth of its tolerance."""
     path, assembly = tmp_path_factory.mktemp("finished") / "run.h5", smooth_scene()
     finer = {t: run(assembly, None, replace(ASKED, tolerance=t), UNTIL) for t in (1e-4, 1e-5)}
-    coarser = run(assembly, None, error_estimate._coarser(ASKED, 4), UNTIL)
+    coarser = run(assembly, None, error_estimate._coarser(ASKED), UNTIL)
     return {1e-2: coarser, 1e-3: run(assembly, path, ASKED, UNTIL), **finer}
 
 
