@@ -200,7 +200,7 @@ def print_rows(rows: Sequence[Row]) -> None:
 
 
 def print_levels(rows: Sequence[Row]) -> None:
-    """The quickest setting of every series at error levels, as ratios to ours on native FMUs; and Exudyn's over ours."""
+    """The quickest setting of every series at error levels, as ratios to ours on native FMUs, and Exudyn over ours."""
     series = list(dict.fromkeys(row.entry.series for row in rows))
     print("wall time in s at errors of both kinds below a level, and ratio to our master on native FMUs")
     print(f"{'series':<28}" + "".join(f"{f'{level:g}':>23}" for level in LEVELS))
