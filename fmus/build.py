@@ -32,7 +32,7 @@ from .native.platforms import libraries
 from .native.source_files import source_files
 from .python.bundle import python_code, python_data
 
-_NO_GUID = "{00000000-0000-0000-0000-000000000000}"
+NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 _NO_TIME = datetime.fromtimestamp(0, UTC)
 _MOST_DESCRIPTIONS = 256
 _descriptions: dict[Hashable, bytes] = {}
@@ -57,7 +57,7 @@ def _has_kernel(component: Component) -> bool:
 
 def component_data(component: Component, start: Mapping[str, StartValue]) -> bytes:
     """What a native FMU of a component carries of it, for one inside of another FMU."""
-    return component_bytes(component, start_values(component, start), _NO_GUID)
+    return component_bytes(component, start_values(component, start), NO_GUID)
 
 
 def build_fmu(
@@ -93,14 +93,14 @@ def build_fmu(
 
     if backend == "native":
         code = _native_code(component, name, fmi, sources, platforms)
-        data = {"resources/component.bin": component_bytes(component, starts, _NO_GUID)}
+        data = {"resources/component.bin": component_bytes(component, starts, NO_GUID)}
     else:
         code, data = python_code(component, name), python_data(component, starts)
 
     def described() -> bytes:
         if fmi == "3.0":
-            return model_description3(component, name, starts, _NO_GUID, _NO_TIME, experiment)
-        return model_description(component, name, starts, _NO_GUID, _NO_TIME, backend, listed, experiment)
+            return model_description3(component, name, starts, NO_GUID, _NO_TIME, experiment)
+        return model_description(component, name, starts, NO_GUID, _NO_TIME, backend, listed, experiment)
 
     asked = (type(component), name, fmi, backend, tuple(listed), experiment, starts, digest_of(data))
     component.prepare(np.array(starts[: component.parameter_layout.size]))
@@ -139,7 +139,7 @@ def _dated(key: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
     guid = "{" + str(uuid.UUID(bytes=bytes.fromhex(digest_of({"": key.encode(), **files})[:32]))) + "}"
     old, new = (date.strftime(DATE_FORMAT).encode() for date in (_NO_TIME, _now()))
     return {
-        path: content.replace(_NO_GUID.encode(), guid.encode()).replace(old, new)
+        path: content.replace(NO_GUID.encode(), guid.encode()).replace(old, new)
         for path, content in files.items()
     }
 

@@ -24,6 +24,7 @@ class Instance:
         self.parameters = component.parameter_layout.start_values()
         self.inputs = component.input_layout.start_values()
         self.state: Vector = np.zeros(0)
+        self._first = self.state
         self._constants: tuple[Any] | None = None
         for name, value in (start or {}).items():
             self.set(name, value)
@@ -56,7 +57,11 @@ class Instance:
 
     def initialize(self) -> None:
         """Take the state that belongs to the present parameters and inputs."""
-        self.state = self.component.initial(self.constants, self.inputs)
+        self.state = self._first = self.component.initial(self.constants, self.inputs)
+
+    def return_to_start(self) -> None:
+        """Take the state of `initialize` again."""
+        self.state = self._first
 
     def step(self, h: float) -> None:
         """Step over h (s)."""

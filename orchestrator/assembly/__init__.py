@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from components import Component
+
+_MOST_COMPONENTS = 256
+_components: dict[bytes, Component] = {}
+"""Those that were made last, by their kind and structure."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,10 +27,15 @@ class Part:
     start: Mapping[str, float | tuple[float, ...]]
 
     def component(self) -> Component:
-        """A new component of its structure."""
+        """The component of its structure; equal structures share one, as a component keeps no state."""
         from components import REGISTRY  # helps of commands know parts, and need no numpy
 
-        return REGISTRY[self.kind](**self.structure)
+        key = sha256(pickle.dumps((self.kind, dict(self.structure)))).digest()
+        if key not in _components:
+            if len(_components) >= _MOST_COMPONENTS:
+                del _components[next(iter(_components))]
+            _components[key] = REGISTRY[self.kind](**self.structure)
+        return _components[key]
 
 
 @dataclass(frozen=True, slots=True)

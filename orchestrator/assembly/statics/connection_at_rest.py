@@ -6,17 +6,19 @@ becomes, a spring of `lock_stiffness` at every hinge.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from components import REGISTRY, ComponentError, Instance, left_product, rotation_matrix
+from components import REGISTRY, Component, ComponentError, Instance, left_product, rotation_matrix
 from components.contract.component import Vector
 from components.contract.frames import exponential, skew
 from components.contract.instance import Value
 from components.contract.ports import MOTION_SIZE, WRENCH_SIZE
 from components.contract.roles import ORDER
+from fmus.compiled import CompiledInstance, at_work
 
 from ...scene.table import SceneError
 from .. import Part
@@ -42,7 +44,7 @@ def at_rest(part: Part, *, sticks: bool = False) -> Part:
     structure, start = dict(part.structure), dict(part.start)
     if REGISTRY[part.kind].has_wrench_mode():
         structure["wrench_mode"] = "endpoint"
-    layout = REGISTRY[part.kind](**structure).parameter_layout
+    layout = replace(part, structure=structure).component().parameter_layout
     if structure.get("latch") == "kinematic":
         lock = float(layout.start_values()[layout["lock_stiffness"]][0])
         structure["latch"] = "spring"
@@ -61,24 +63,35 @@ class Connection:
     `ports` are the names of its ports in order; motions are (ports, 13), wrenches (ports, 6), in world axes.
     """
 
-    _sticks = False
-
     def __init__(self, part: Part, motions: Mapping[str, Vector]) -> None:
-        resting = at_rest(part, sticks=self._sticks)
-        self.name = part.name
+        self._build(at_rest(part), motions, Instance)
+
+    def _build(
+        self,
+        resting: Part,
+        motions: Mapping[str, Vector],
+        make: Callable[[Component, Mapping[str, Value]], Instance | CompiledInstance],
+    ) -> None:
+        self.name = resting.name
         self.component = resting.component()
         self.ports = tuple(port.name for port in self.component.ports)
         start = {k: v for k, v in resting.start.items() if k in self.component.parameter_layout}
-        self._instance = Instance(self.component, start)
+        self._law = make(self.component, start)
         self.put(np.array([motions[port] for port in self.ports]))
         try:
-            self._instance.initialize()
+            self._law.initialize()
         except ComponentError as error:
             raise SceneError([f"{self.name}: {error}"]) from None
 
+    @property
+    def _instance(self) -> Instance:
+        """Where its state and parameters can be changed."""
+        assert isinstance(self._law, Instance)
+        return self._law
+
     def put(self, motions: Vector) -> None:
         """Move the ports."""
-        self._instance.inputs[: MOTION_SIZE * len(self.ports)] = motions.ravel()
+        self._law.inputs[: MOTION_SIZE * len(self.ports)] = motions.ravel()
 
     def follow(self) -> None:
         """Remember the present pose, from which angles are counted on."""
@@ -96,8 +109,8 @@ class Connection:
     def command(self, name: str, value: float) -> None:
         """Give a command where the component has it."""
         if name in self.component.input_layout:
-            self._instance.set(name, value)
-            self._instance.update(True)
+            self._law.set(name, value)
+            self._law.update(True)
 
     @property
     def state(self) -> Vector:
@@ -133,11 +146,11 @@ class Connection:
     @property
     def motions(self) -> Vector:
         """Motions (ports, 13) as they are put."""
-        return self._instance.inputs[: MOTION_SIZE * len(self.ports)].reshape(-1, MOTION_SIZE).copy()
+        return self._law.inputs[: MOTION_SIZE * len(self.ports)].reshape(-1, MOTION_SIZE).copy()
 
     def wrenches(self) -> Vector:
         """Wrenches (ports, 6) in the present pose."""
-        result: Vector = self._instance.outputs()[: WRENCH_SIZE * len(self.ports)].reshape(-1, WRENCH_SIZE)
+        result: Vector = self._law.outputs()[: WRENCH_SIZE * len(self.ports)].reshape(-1, WRENCH_SIZE)
         return result
 
     def resting_wrenches(self) -> Vector:
@@ -233,20 +246,28 @@ class Connection:
 class LedConnection(Connection):
     """One that rests as in a run that starts there: led by a few steps from where it was built, with all its friction.
 
-    Its derivatives are those of friction that sticks.
+    Its derivatives are those of friction that sticks. Every pose is led to anew, so it remembers none.
     """
 
-    _sticks = True
-
     def __init__(self, part: Part, motions: Mapping[str, Vector]) -> None:
-        super().__init__(part, motions)
+        self._build(at_rest(part, sticks=True), motions, partial(at_work, makes_steps=False))
         component = part.component()
         start = {k: v for k, v in part.start.items() if k in component.parameter_layout}
-        self._led = Instance(
-            component, start | ({ORDER.name: 4.0} if ORDER.name in component.parameter_layout else {})
-        )
+        if ORDER.name in component.parameter_layout:
+            start[ORDER.name] = 4.0
+        self._led = at_work(component, start, makes_steps=True)
         self._led.inputs[: MOTION_SIZE * len(self.ports)] = self.motions.ravel()
         self._led.initialize()
+
+    def follow(self) -> None:
+        """Nothing to remember."""
+
+    def memory(self) -> tuple[Vector, Vector]:
+        """Nothing to bring back."""
+        return np.zeros(0), np.zeros(0)
+
+    def remember(self, state: Vector, parameters: Vector) -> None:
+        """Nothing to bring back."""
 
     def command(self, name: str, value: float) -> None:
         """Give a command where the component has it."""
@@ -256,12 +277,12 @@ class LedConnection(Connection):
 
     def resting_wrenches(self) -> Vector:
         """Wrenches (ports, 6) of what comes to rest in the present pose."""
-        led, built = self._led, self._led.state
+        led = self._led
+        led.return_to_start()
         led.inputs[: MOTION_SIZE * len(self.ports)] = self.motions.ravel()
         for _ in range(LEADING):
             led.step(LEADING_STEP)
-        result: Vector = led.outputs()[: WRENCH_SIZE * len(self.ports)].reshape(-1, WRENCH_SIZE).copy()
-        led.state = built
+        result: Vector = led.outputs()[: WRENCH_SIZE * len(self.ports)].reshape(-1, WRENCH_SIZE)
         return result
 
 

@@ -292,9 +292,5 @@ def _acceleration(tangent: _Tangent) -> Vector:
 
 def _port_motions(mechanism: Mechanism, step: Vector) -> Vector:
     """Small motions (ports, 6) of all connections' ports."""
-    found = [
-        mechanism.jacobian(name, port) @ step
-        for name, connection in mechanism.connections.items()
-        for port in range(len(connection.ports))
-    ]
-    return np.array(found).reshape(-1, 6)
+    found = [mechanism.port_motions(name) @ step for name in mechanism.connections]
+    return np.concatenate([np.zeros(0), *found]).reshape(-1, 6)

@@ -65,9 +65,12 @@ class Mechanism:
         ends = np.cumsum([0, *(body.size for body in self.bodies.values())]).tolist()
         self.rows = {name: slice(a, b) for name, a, b in zip(self.bodies, ends[:-1], ends[1:], strict=True)}
         self.size: int = ends[-1]
+        self._port_motions: dict[str, Vector] = {}
+        """of the present pose, by connection"""
 
     def carry(self) -> None:
         """Move the connections' ports to where the bodies have them."""
+        self._port_motions.clear()
         motions = {name: body.motions() for name, body in self.bodies.items()}
         for name, connection in self.connections.items():
             connection.put(np.array([motions[body][port] for body, port in self._seats[name]]))
@@ -104,10 +107,17 @@ class Mechanism:
 
     def jacobian(self, connection: str, port: int) -> Vector:
         """Motion (6, size) of a connection's port under unit coordinates of all bodies."""
-        body, number = self._seats[connection][port]
-        result = np.zeros((6, self.size))
-        result[:, self.rows[body]] = self.bodies[body].port_jacobian(number)
-        return result
+        return self.port_motions(connection)[6 * port : 6 * port + 6]
+
+    def port_motions(self, connection: str) -> Vector:
+        """The same (6 ports, size) of all its ports, computed once in a pose."""
+        if connection not in self._port_motions:
+            seats = self._seats[connection]
+            found = np.zeros((6 * len(seats), self.size))
+            for k, (body, number) in enumerate(seats):
+                found[6 * k : 6 * k + 6, self.rows[body]] = self.bodies[body].port_jacobian(number)
+            self._port_motions[connection] = found
+        return self._port_motions[connection]
 
     def point_jacobian(self, body: str, point: str) -> Vector:
         """The same of a named point."""
@@ -150,7 +160,7 @@ class Mechanism:
             if self.spin is not None:
                 result[rows, rows] += self.spin.stiffness(body)
         for name, connection in self.connections.items():
-            motion = self._port_motions(name)
+            motion = self.port_motions(name)
             result += motion.T @ connection.stiffness() @ motion
         return result
 
@@ -160,7 +170,7 @@ class Mechanism:
         for name, body in self.bodies.items():
             result[self.rows[name], self.rows[name]] = body.modal_matrices()[0]
         for name, connection in self.connections.items():
-            motion = self._port_motions(name)
+            motion = self.port_motions(name)
             result += motion.T @ connection.damping() @ motion
         return result
 
@@ -170,12 +180,7 @@ class Mechanism:
             if body.modes:
                 yield name, np.eye(self.size)[self.rows[name]], body.modal_matrices()[0]
         for name, connection in self.connections.items():
-            yield name, self._port_motions(name), connection.damping()
-
-    def _port_motions(self, connection: str) -> Vector:
-        """Motion (6 ports, size) of all ports of a connection."""
-        ports = range(len(self.connections[connection].ports))
-        return np.concatenate([self.jacobian(connection, k) for k in ports])
+            yield name, self.port_motions(name), connection.damping()
 
     def mass(self) -> Vector:
         """Mass matrix (size, size)."""

@@ -1,0 +1,209 @@
+"""A component at work in the compiled library of this process, without an FMU file around it.
+
+Its calls are those of `components.Instance`, which computes the same in Python a hundred times as slowly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from ctypes import (
+    CDLL,
+    CFUNCTYPE,
+    Array,
+    Structure,
+    byref,
+    c_char_p,
+    c_double,
+    c_int,
+    c_size_t,
+    c_uint32,
+    c_void_p,
+    create_string_buffer,
+)
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+from weakref import WeakKeyDictionary, finalize
+
+import numpy as np
+
+from components import Component, ComponentError, Instance
+from components.cache.disk import replace_file
+from components.cache.temporary import process_folder
+from components.contract.component import Vector
+from components.contract.instance import Value
+
+from .build import NO_GUID, component_data, native_backend
+from .native import library
+
+_MODEL_EXCHANGE, _CO_SIMULATION = 0, 1
+_WARNING = 1
+_Log = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+
+
+class _Callbacks(Structure):
+    """fmi2CallbackFunctions; the library allocates its memory itself."""
+
+    _fields_ = (
+        ("logger", _Log),
+        ("allocate", c_void_p),
+        ("free", c_void_p),
+        ("step_finished", c_void_p),
+        ("environment", c_void_p),
+    )
+
+
+_VALUES = (c_void_p, c_void_p, c_size_t, c_void_p)
+_FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "EnterInitializationMode": (c_void_p,),
+    "ExitInitializationMode": (c_void_p,),
+    "SetReal": _VALUES,
+    "GetReal": _VALUES,
+    "DoStep": (c_void_p, c_double, c_double, c_int),
+    "NewDiscreteStates": (c_void_p, c_void_p),
+    "GetFMUstate": (c_void_p, c_void_p),
+    "SetFMUstate": (c_void_p, c_void_p),
+    "FreeFMUstate": (c_void_p, c_void_p),
+    "FreeInstance": (c_void_p,),
+}
+"""Arguments of functions of FMI 2.0."""
+_EVENT_INFO = 64
+"""Bytes that are room for fmi2EventInfo."""
+
+
+def at_work(
+    component: Component, start: Mapping[str, Value], *, makes_steps: bool
+) -> Instance | CompiledInstance:
+    """An instance of a component in the compiled library where that has its kernel, otherwise in Python."""
+    if native_backend(component) and (makes_steps or component.continuous is not None):
+        return CompiledInstance(component, start, makes_steps=makes_steps)
+    return Instance(component, start)
+
+
+class CompiledInstance:
+    """A component with values by name, as `Instance` is.
+
+    It either makes steps or, for model exchange, follows events by `update`. Parameters are fixed from `initialize` on.
+    inputs: (input_layout.size,), written to in place.
+    """
+
+    def __init__(self, component: Component, start: Mapping[str, Value], *, makes_steps: bool) -> None:
+        self.component = component
+        first = component.parameter_layout.size
+        self._values = np.concatenate(
+            (component.parameter_layout.start_values(), component.input_layout.start_values())
+        )
+        self.inputs: Vector = self._values[first:]
+        self._outputs = component.output_layout.start_values()
+        for name, value in start.items():
+            layout, values = (
+                (component.input_layout, self.inputs)
+                if name in component.input_layout
+                else (component.parameter_layout, self._values[:first])
+            )
+            values[layout[name]] = value
+        place, count = self._values.ctypes.data, len(self._values)
+        self._known = _range(0, count), place
+        self._input = _range(first, count - first), place + first * self._values.itemsize
+        self._output = _range(count, len(self._outputs)), self._outputs.ctypes.data
+        self._said: list[str] = []
+        said = self._said
+        self._callbacks = _Callbacks(_Log(lambda *words: said.append(words[-1].decode("utf-8", "replace"))))
+        self._library = _library()
+        made = self._library.fmi2Instantiate(
+            component.kind.encode(),
+            _CO_SIMULATION if makes_steps else _MODEL_EXCHANGE,
+            NO_GUID.encode(),
+            str(_resources(component)).encode(),
+            byref(self._callbacks),
+            0,
+            1,
+        )
+        if not made:
+            raise self._refusal()
+        self._instance, self._state = c_void_p(made), c_void_p()
+        finalize(self, _free, self._library, self._instance, self._state)
+
+    def set(self, name: str, value: Value) -> None:
+        """Change an input."""
+        self.inputs[self.component.input_layout[name]] = value
+
+    def initialize(self) -> None:
+        """Take the state that belongs to the parameters and the present inputs."""
+        self._values_of("SetReal", self._known)
+        self._call("EnterInitializationMode")
+        self._call("ExitInitializationMode")
+        self._call("GetFMUstate", byref(self._state))
+
+    def return_to_start(self) -> None:
+        """Take the state of `initialize` again."""
+        self._call("SetFMUstate", self._state)
+
+    def step(self, h: float) -> None:
+        """Step over h (s)."""
+        self._values_of("SetReal", self._input)
+        self._call("DoStep", 0.0, h, 0)
+
+    def update(self, at_event: bool) -> None:
+        """Let happen what does at an event."""
+        self._values_of("SetReal", self._input)
+        self._call("NewDiscreteStates", create_string_buffer(_EVENT_INFO))
+
+    def outputs(self) -> Vector:
+        """Outputs in declared order."""
+        self._values_of("SetReal", self._input)
+        self._values_of("GetReal", self._output)
+        return self._outputs.copy()
+
+    def _values_of(self, name: str, where: tuple[_References, int]) -> None:
+        references, place = where
+        self._call(name, references, len(references), place)
+
+    def _call(self, name: str, *arguments: Any) -> None:  # noqa: ANN401 - of ctypes
+        """A function of FMI; ComponentError with the kernel's words where it fails."""
+        if getattr(self._library, f"fmi2{name}")(self._instance, *arguments) > _WARNING:
+            raise self._refusal()
+
+    def _refusal(self) -> ComponentError:
+        sentence = "".join(self._said[-1:])
+        self._said.clear()
+        return ComponentError(sentence.partition(" s: ")[2] or sentence)
+
+
+_References = Array[c_uint32]
+
+
+def _range(first: int, count: int) -> _References:
+    """Value references in a row."""
+    return (c_uint32 * count)(*range(first, first + count))
+
+
+def _free(library: CDLL, instance: c_void_p, state: c_void_p) -> None:
+    library.fmi2FreeFMUstate(instance, byref(state))
+    library.fmi2FreeInstance(instance)
+
+
+@cache
+def _library() -> CDLL:
+    """The compiled library with the types of the functions that are called here."""
+    found = CDLL(str(library()))
+    for name, arguments in _FUNCTIONS.items():
+        getattr(found, f"fmi2{name}").argtypes = arguments
+    found.fmi2Instantiate.argtypes = (c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int)
+    found.fmi2Instantiate.restype = c_void_p
+    return found
+
+
+_folders: WeakKeyDictionary[Component, Path] = WeakKeyDictionary()
+
+
+def _resources(component: Component) -> Path:
+    """A folder with the data of a component, which do not depend on the values of its parameters."""
+    if component not in _folders:
+        data = component_data(component, {})
+        folder = process_folder() / f"data-{sha256(data).hexdigest()}"
+        folder.mkdir(exist_ok=True)
+        replace_file(folder / "component.bin", data)
+        _folders[component] = folder
+    return _folders[component]
