@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lapack
+import scipy
 
 from ..contract.component import Vector
 
@@ -24,12 +24,12 @@ class Factors:
             first = 6 * np.arange(len(blocks))[:, None, None]
             row, column = np.indices((size, size))
             np.add.at(band, (2 * _BAND + row - column + 0 * first, first + column), blocks)
-        self._factors, self._pivots, self._flaw = lapack.dgbtrf(band, _BAND, _BAND)
+        self._factors, self._pivots, self._flaw = scipy.linalg.lapack.dgbtrf(band, _BAND, _BAND)
 
     def solve(self, right: Vector) -> Vector:
         """The solution (n, 6) for a right side (n, 6)."""
         if self._flaw:
             return np.full(right.shape, np.nan)
-        found, _ = lapack.dgbtrs(self._factors, _BAND, _BAND, right.ravel(), self._pivots)
+        found, _ = scipy.linalg.lapack.dgbtrs(self._factors, _BAND, _BAND, right.ravel(), self._pivots)
         result: Vector = found.reshape(right.shape)
         return result

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import Vector
 from ..flexible.beam_frame import beam_axes
@@ -32,7 +32,7 @@ def linear_model(
     poses = Poses(directors, np.diff(positions, axis=0))
     elements = Elements(poses, section.stiffness)
     masses, places, displacement = _samples(positions, directors, section, elements.lengths)
-    every = sparse.eye_array(6 * count, format="csr")
+    every = scipy.sparse.eye_array(6 * count, format="csr")
     translations = np.add.outer(6 * np.arange(count), np.arange(3)).ravel()
     return FiniteElementModel(
         stiffness=_stiffness(elements, poses),
@@ -43,11 +43,11 @@ def linear_model(
         rigid_motions=np.concatenate([rigid_motion(place) for place in positions]),
         point_positions={name: positions[node] for name, node in points.items()},
         point_motions={
-            name: sparse.csr_array(every[6 * node : 6 * node + 6]) for name, node in points.items()
+            name: scipy.sparse.csr_array(every[6 * node : 6 * node + 6]) for name, node in points.items()
         },
         attachment_dofs={name: 6 * node + np.arange(6) for name, node in points.items()},
         display_positions=positions,
-        display_displacement=sparse.csr_array(every[translations]),
+        display_displacement=scipy.sparse.csr_array(every[translations]),
         display_faces=display_faces(count),
     )
 
@@ -67,7 +67,7 @@ def _stiffness(elements: Elements, poses: Poses) -> SparseMatrix:
     row, column = np.indices((12, 12))
     entries = (pairs.ravel(), ((first + row).ravel(), (first + column).ravel()))
     size = 6 * (len(pairs) + 1)
-    return sparse.csr_array(entries, shape=(size, size))
+    return scipy.sparse.csr_array(entries, shape=(size, size))
 
 
 def _strain(positions: Vector, section: Section) -> MembraneStrain:
@@ -75,12 +75,12 @@ def _strain(positions: Vector, section: Section) -> MembraneStrain:
     chords = np.diff(positions, axis=0)
     lengths = np.linalg.norm(chords, axis=1)
     axes = np.array([beam_axes(np.zeros(3), chord) for chord in chords]) / lengths[:, None, None]
-    every = sparse.kron(sparse.eye_array(len(positions)), np.eye(3, 6), format="csr")
-    growth = sparse.csr_array(every[3:] - every[:-3])
+    every = scipy.sparse.kron(scipy.sparse.eye_array(len(positions)), np.eye(3, 6), format="csr")
+    growth = scipy.sparse.csr_array(every[3:] - every[:-3])
     stretch, along_y, along_z = (
-        sparse.csr_array(sparse.block_diag(list(axes[:, k : k + 1])) @ growth) for k in range(3)
+        scipy.sparse.csr_array(scipy.sparse.block_diag(list(axes[:, k : k + 1])) @ growth) for k in range(3)
     )
-    stiffness = sparse.csr_array(sparse.diags_array(section.stiffness[0] * lengths))
+    stiffness = scipy.sparse.csr_array(scipy.sparse.diags_array(section.stiffness[0] * lengths))
     return MembraneStrain(stretch, ((along_y, along_y), (along_z, along_z)), stiffness)
 
 
@@ -96,11 +96,11 @@ def _samples(
     own = np.array(((0.0, arm_y, 0.0), (0.0, -arm_y, 0.0), (0.0, 0.0, arm_z), (0.0, 0.0, -arm_z)))
     arms = np.einsum("nij,kj->nki", directors, own)
     blocks = np.array([[rigid_motion(arm)[:3] for arm in around] for around in arms])
-    every = sparse.kron(sparse.eye_array(count), np.eye(3, 6), format="csr")
-    halves = sparse.csr_array(0.5 * (every[: 3 * (count - 1)] + every[3:]))
-    around = sparse.block_diag(list(blocks.reshape(count, 12, 6)))
+    every = scipy.sparse.kron(scipy.sparse.eye_array(count), np.eye(3, 6), format="csr")
+    halves = scipy.sparse.csr_array(0.5 * (every[: 3 * (count - 1)] + every[3:]))
+    around = scipy.sparse.block_diag(list(blocks.reshape(count, 12, 6)))
     return (
         np.concatenate((2.0 / 3.0 * mass, np.repeat(0.25 * at_nodes, 4))),
         np.concatenate((middle, (positions[:, None] + arms).reshape(-1, 3))),
-        sparse.csr_array(sparse.vstack([halves, around])),
+        scipy.sparse.csr_array(scipy.sparse.vstack([halves, around])),
     )

@@ -18,7 +18,7 @@ from math import isfinite
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy import sparse
+import scipy
 from threadpoolctl import threadpool_limits
 
 from ..cache.disk import kept
@@ -153,8 +153,8 @@ def with_masses(model: FiniteElementModel, masses: PointMasses) -> FiniteElement
         model,
         masses=np.append(model.masses, [mass for _, mass in masses]),
         positions=np.vstack([model.positions, *(model.point_positions[name] for name, _ in masses)]),
-        displacement=sparse.csr_array(
-            sparse.vstack([model.displacement, *(model.point_motions[name][:3] for name, _ in masses)])
+        displacement=scipy.sparse.csr_array(
+            scipy.sparse.vstack([model.displacement, *(model.point_motions[name][:3] for name, _ in masses)])
         ),
     )
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 from math import pi, sqrt
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import ComponentError, Vector
 from .finite_elements import FiniteElementModel, SparseMatrix
@@ -183,19 +183,19 @@ class _Assembly:
             offset += len(block)
         values = np.concatenate([block.ravel() for block in blocks])
         indices = (np.concatenate(rows), np.concatenate(columns))
-        return sparse.csr_array((values, indices), shape=(offset, 6 * len(self.nodes)))
+        return scipy.sparse.csr_array((values, indices), shape=(offset, 6 * len(self.nodes)))
 
     def strain(self) -> MembraneStrain:
         """Along the axes of all members."""
         parts = [beam_slopes(self.nodes[i], self.nodes[j]) for i, j in self.lines]
         stretch, along_y, along_z = (self.scattered([part[k] for part in parts]) for k in range(3))
         weights = [axial * part[3] for axial, part in zip(self.axial, parts, strict=True)]
-        stiffness = sparse.csr_array(sparse.diags_array(np.concatenate(weights)))
+        stiffness = scipy.sparse.csr_array(scipy.sparse.diags_array(np.concatenate(weights)))
         return MembraneStrain(stretch, ((along_y, along_y), (along_z, along_z)), stiffness)
 
     def node_motion(self, node: int, rows: int = 6) -> SparseMatrix:
         """Translation (and rotation) of a node, (rows, n)."""
-        return sparse.csr_array(
+        return scipy.sparse.csr_array(
             (np.ones(rows), (np.arange(rows), 6 * node + np.arange(rows))), shape=(rows, 6 * len(self.nodes))
         )
 
@@ -216,7 +216,7 @@ def beam_frame(
     lumped = dict(point_masses or {})
     names = tuple(joints) if points is None else tuple(points)
     ends = assembly.scattered([np.eye(12)] * len(assembly.elements))
-    blocks = sparse.csr_array(sparse.block_diag([element[2] for element in assembly.elements]))
+    blocks = scipy.sparse.csr_array(scipy.sparse.block_diag([element[2] for element in assembly.elements]))
     nodes = np.array(assembly.nodes)
     masses = [element[3] for element in assembly.elements]
     positions = [element[4] for element in assembly.elements]
@@ -227,16 +227,16 @@ def beam_frame(
         displacement.append(assembly.node_motion(assembly.index[name], 3))
     motions = [assembly.node_motion(i, 3) for i in range(len(nodes))]
     return FiniteElementModel(
-        stiffness=sparse.csr_array(ends.T @ blocks @ ends),
+        stiffness=scipy.sparse.csr_array(ends.T @ blocks @ ends),
         masses=np.concatenate(masses),
         positions=np.concatenate(positions),
-        displacement=sparse.csr_array(sparse.vstack(displacement)),
+        displacement=scipy.sparse.csr_array(scipy.sparse.vstack(displacement)),
         membrane_strain=assembly.strain,
         rigid_motions=np.concatenate([rigid_motion(p) for p in nodes]),
         point_positions={name: nodes[assembly.index[name]] for name in names},
         point_motions={name: assembly.node_motion(assembly.index[name]) for name in names},
         attachment_dofs={name: 6 * assembly.index[name] + np.arange(6) for name in names},
         display_positions=nodes,
-        display_displacement=sparse.csr_array(sparse.vstack(motions)),
+        display_displacement=scipy.sparse.csr_array(scipy.sparse.vstack(motions)),
         display_faces=np.array([(i, j, j, i) for i, j in assembly.lines], dtype=np.int64),
     )

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.linalg import SuperLU, splu
 
 from ..contract.component import Vector
 from ..contract.frames import skew
@@ -78,9 +77,9 @@ class FiniteElementModel:
     @cached_property
     def mass_matrix(self) -> SparseMatrix:
         """Consistent mass matrix (n, n)."""
-        weights = sparse.diags_array(np.repeat(self.masses, 3))
+        weights = scipy.sparse.diags_array(np.repeat(self.masses, 3))
         sampled = self.displacement.T @ weights @ self.displacement
-        return sparse.csr_array(sampled if self.further_mass is None else sampled + self.further_mass)
+        return scipy.sparse.csr_array(sampled if self.further_mass is None else sampled + self.further_mass)
 
     @cached_property
     def _rigid_mass(self) -> Vector:
@@ -123,10 +122,10 @@ class FiniteElementModel:
         return vectors
 
 
-def factorize(matrix: SparseMatrix) -> SuperLU:
+def factorize(matrix: SparseMatrix) -> scipy.sparse.linalg.SuperLU:
     """LU of a symmetric positive definite matrix, whose pivots are its diagonal; others would spoil the ordering."""
-    return splu(
-        sparse.csc_array(matrix),
+    return scipy.sparse.linalg.splu(
+        scipy.sparse.csc_array(matrix),
         permc_spec="MMD_AT_PLUS_A",
         diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},

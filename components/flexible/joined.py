@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ..contract.component import ComponentError
 from .finite_elements import FiniteElementModel, SparseMatrix
@@ -16,14 +16,14 @@ def joined(first: FiniteElementModel, second: FiniteElementModel) -> FiniteEleme
     welds = [name for name in first.attachment_dofs if name in second.attachment_dofs]
     _check(first, second, welds)
     count, place = _numbering(first, second, welds)
-    other = sparse.eye_array(count, format="csr")[place]
-    here = sparse.eye_array(count, format="csr")[: first.stiffness.shape[0]]
+    other = scipy.sparse.eye_array(count, format="csr")[place]
+    here = scipy.sparse.eye_array(count, format="csr")[: first.stiffness.shape[0]]
 
     def on_first(matrix: SparseMatrix) -> SparseMatrix:
-        return sparse.csr_array(matrix @ here)
+        return scipy.sparse.csr_array(matrix @ here)
 
     def on_second(matrix: SparseMatrix) -> SparseMatrix:
-        return sparse.csr_array(matrix @ other)
+        return scipy.sparse.csr_array(matrix @ other)
 
     rigid_motions = np.zeros((count, 6))
     rigid_motions[place] = second.rigid_motions
@@ -35,7 +35,9 @@ def joined(first: FiniteElementModel, second: FiniteElementModel) -> FiniteEleme
     dofs = dict(first.attachment_dofs)
     dofs |= {name: place[d] for name, d in second.attachment_dofs.items()}
     return FiniteElementModel(
-        stiffness=sparse.csr_array(here.T @ first.stiffness @ here + other.T @ second.stiffness @ other),
+        stiffness=scipy.sparse.csr_array(
+            here.T @ first.stiffness @ here + other.T @ second.stiffness @ other
+        ),
         masses=np.concatenate([first.masses, second.masses]),
         positions=np.concatenate([first.positions, second.positions]),
         displacement=_stacked(on_first(first.displacement), on_second(second.displacement)),
@@ -83,4 +85,4 @@ def _numbering(
 
 
 def _stacked(upper: SparseMatrix, lower: SparseMatrix) -> SparseMatrix:
-    return sparse.csr_array(sparse.vstack([upper, lower]))
+    return scipy.sparse.csr_array(scipy.sparse.vstack([upper, lower]))

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from ..contract.component import Vector
 
-SparseMatrix: TypeAlias = "sparse.csr_array[np.float64, tuple[int, int]]"
+SparseMatrix: TypeAlias = "scipy.sparse.csr_array[np.float64, tuple[int, int]]"
 
 _ALL = slice(None)
 
@@ -40,7 +39,7 @@ class MembraneStrain:
 
     def parts(self, most: int) -> Iterator[MembraneStrain]:
         """The same in parts of about so many rows, whose strains do no work on one another's stress."""
-        count, label = connected_components(self.stiffness, directed=False)
+        count, label = scipy.sparse.csgraph.connected_components(self.stiffness, directed=False)
         rows = np.argsort(label, kind="stable")
         ends = np.cumsum(np.bincount(label, minlength=count))
         first = 0
@@ -74,14 +73,14 @@ def combined(strains: Sequence[MembraneStrain]) -> MembraneStrain:
     for term in range(most):
         sides = [one.slopes[term] if term < len(one.slopes) else _none(one) for one in strains]
         columns.append((_stacked([left for left, _ in sides]), _stacked([right for _, right in sides])))
-    stiffness = sparse.csr_array(sparse.block_diag([one.stiffness for one in strains]))
+    stiffness = scipy.sparse.csr_array(scipy.sparse.block_diag([one.stiffness for one in strains]))
     return MembraneStrain(_stacked([one.linear for one in strains]), tuple(columns), stiffness)
 
 
 def _none(strain: MembraneStrain) -> tuple[SparseMatrix, SparseMatrix]:
-    empty = sparse.csr_array(strain.linear.shape)
+    empty = scipy.sparse.csr_array(strain.linear.shape)
     return empty, empty
 
 
 def _stacked(parts: Sequence[SparseMatrix]) -> SparseMatrix:
-    return sparse.csr_array(sparse.vstack(list(parts)))
+    return scipy.sparse.csr_array(scipy.sparse.vstack(list(parts)))

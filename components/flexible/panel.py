@@ -15,9 +15,9 @@ from itertools import pairwise
 from math import ceil
 
 import numpy as np
+import scipy
 import skfem
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
 from .beam_frame import beam_slopes, beam_stiffness
@@ -73,7 +73,7 @@ class _Axis:
 
     def product(self, left: SparseMatrix, right: SparseMatrix) -> SparseMatrix:
         """Integral over the axis of the products of sampled functions."""
-        return sparse.csr_array(left.T @ sparse.diags_array(self.weights) @ right)
+        return scipy.sparse.csr_array(left.T @ scipy.sparse.diags_array(self.weights) @ right)
 
 
 def _values(basis: skfem.CellBasis, order: int) -> SparseMatrix:
@@ -84,7 +84,7 @@ def _values(basis: skfem.CellBasis, order: int) -> SparseMatrix:
     columns = np.repeat(basis.element_dofs[:, :, None], points, axis=2)
     rows = np.broadcast_to(np.arange(cells * points).reshape(cells, points), columns.shape)
     entries = (values.ravel(), (rows.ravel(), columns.ravel()))
-    return sparse.csr_array(entries, shape=(cells * points, basis.N))
+    return scipy.sparse.csr_array(entries, shape=(cells * points, basis.N))
 
 
 class PlateElements:
@@ -106,7 +106,9 @@ class PlateElements:
         bending_kind = (slopes[:, 0] + 2 * slopes[:, 1]).astype(np.int64)
         self.kind = np.concatenate([bending_kind, np.repeat([4, 5], len(stretching))])
         self.places = np.concatenate([bending, stretching, stretching])
-        self.stiffness = sparse.block_diag([_bending(x, y, plate), _membrane(x, y, plate)], format="csr")
+        self.stiffness = scipy.sparse.block_diag(
+            [_bending(x, y, plate), _membrane(x, y, plate)], format="csr"
+        )
         self.masses = plate.areal_mass * np.kron(x.weights, y.weights)
         self.positions = np.column_stack([_grid(x.points, y.points), np.zeros(self.masses.size)])
         self.displacement = _interleaved(
@@ -119,19 +121,23 @@ class PlateElements:
         (px, qx), (py, qy) = self._x.stretching, self._y.stretching
         along_x, along_y = kron(gx, hy), kron(hx, gy)
         by_x, by_y = kron(qx, py), kron(px, qy)  # of either motion in the plane
-        none, still = sparse.csr_array(along_x.shape), sparse.csr_array(by_x.shape)
+        none, still = scipy.sparse.csr_array(along_x.shape), scipy.sparse.csr_array(by_x.shape)
         rows = ((none, by_x, still), (none, still, by_y), (none, by_y, by_x))
-        linear = sparse.csr_array(sparse.vstack([sparse.hstack(row) for row in rows]))
-        in_plane = [sparse.csr_array((along_x.shape[0], 2 * by_x.shape[1]))] * 3
+        linear = scipy.sparse.csr_array(scipy.sparse.vstack([scipy.sparse.hstack(row) for row in rows]))
+        in_plane = [scipy.sparse.csr_array((along_x.shape[0], 2 * by_x.shape[1]))] * 3
         slopes = (
-            sparse.csr_array(sparse.hstack([sparse.vstack(turned), sparse.vstack(in_plane)]))
+            scipy.sparse.csr_array(
+                scipy.sparse.hstack([scipy.sparse.vstack(turned), scipy.sparse.vstack(in_plane)])
+            )
             for turned in ((along_x, along_y, 2.0 * along_x), (along_x, along_y, along_y))
         )
         a11, a22, a12, a66 = self._plate.membrane
         elasticity = np.array([[a11, a12, 0.0], [a12, a22, 0.0], [0.0, 0.0, a66]])
-        weights = sparse.diags_array(np.kron(self._x.weights, self._y.weights))
+        weights = scipy.sparse.diags_array(np.kron(self._x.weights, self._y.weights))
         left, right = slopes
-        return MembraneStrain(linear, ((left, right),), sparse.csr_array(sparse.kron(elasticity, weights)))
+        return MembraneStrain(
+            linear, ((left, right),), scipy.sparse.csr_array(scipy.sparse.kron(elasticity, weights))
+        )
 
     def motion(self, x: float, y: float) -> SparseMatrix:
         """Translation and small rotation (6, n) of the plate at a point."""
@@ -140,7 +146,7 @@ class PlateElements:
         w, w_x, w_y = (kron(*pair) for pair in ((hx, hy), (gx, hy), (hx, gy)))
         u, u_y, v_x = (kron(*pair) for pair in ((px, py), (px, qy), (qx, py)))
         rows = [[None, u, None], [None, None, u], [w, None, None], [w_y, None, None], [-w_x, None, None]]
-        return sparse.csr_array(sparse.bmat([*rows, [None, -0.5 * u_y, 0.5 * v_x]]))
+        return scipy.sparse.csr_array(scipy.sparse.bmat([*rows, [None, -0.5 * u_y, 0.5 * v_x]]))
 
     def translations(self, x: Vector, y: Vector) -> SparseMatrix:
         """Translations of the plate at all pairs of x (k,) and y (l,): row 3 (l i + j) + axis, (3 k l, n)."""
@@ -185,8 +191,10 @@ def _grid(x: NDArray[np.generic], y: NDArray[np.generic]) -> Vector:
 def _interleaved(u: SparseMatrix, w: SparseMatrix) -> SparseMatrix:
     """Displacements, row 3 q + axis, from in-plane functions u (both directions) and deflections w."""
     axis = np.eye(3)[:, :, None]
-    return sparse.csr_array(
-        sparse.hstack([sparse.kron(w, axis[2]), sparse.kron(u, axis[0]), sparse.kron(u, axis[1])])
+    return scipy.sparse.csr_array(
+        scipy.sparse.hstack(
+            [scipy.sparse.kron(w, axis[2]), scipy.sparse.kron(u, axis[0]), scipy.sparse.kron(u, axis[1])]
+        )
     )
 
 
@@ -194,7 +202,7 @@ def _bending(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
     d11, d22, d12, d66 = plate.bending
     (x0, x1, x2), (y0, y1, y2) = x.bending, y.bending
     mixed = kron(x.product(x2, x0), y.product(y0, y2))
-    bent = sparse.csr_array(
+    bent = scipy.sparse.csr_array(
         d11 * kron(x.product(x2, x2), y.product(y0, y0))
         + d22 * kron(x.product(x0, x0), y.product(y2, y2))
         + d12 * (mixed + mixed.T)
@@ -203,7 +211,7 @@ def _bending(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
     if not plate.prestress:
         return bent
     slopes = kron(x.product(x1, x1), y.product(y0, y0)) + kron(x.product(x0, x0), y.product(y1, y1))
-    return sparse.csr_array(bent + plate.prestress * slopes)
+    return scipy.sparse.csr_array(bent + plate.prestress * slopes)
 
 
 def _membrane(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
@@ -213,10 +221,10 @@ def _membrane(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
     along_y = kron(x.product(x0, x0), y.product(y1, y1))
     poisson = kron(x.product(x1, x0), y.product(y0, y1))
     shear = kron(x.product(x0, x1), y.product(y1, y0))
-    uu = sparse.csr_array(a11 * along_x + a66 * along_y)
-    vv = sparse.csr_array(a22 * along_y + a66 * along_x)
-    uv = sparse.csr_array(a12 * poisson + a66 * shear)
-    return sparse.csr_array(sparse.bmat([[uu, uv], [sparse.csr_array(uv.T), vv]]))
+    uu = scipy.sparse.csr_array(a11 * along_x + a66 * along_y)
+    vv = scipy.sparse.csr_array(a22 * along_y + a66 * along_x)
+    uv = scipy.sparse.csr_array(a12 * poisson + a66 * shear)
+    return scipy.sparse.csr_array(scipy.sparse.bmat([[uu, uv], [scipy.sparse.csr_array(uv.T), vv]]))
 
 
 def panel_model(panel: Panel) -> FiniteElementModel:
@@ -239,8 +247,8 @@ def panel_model(panel: Panel) -> FiniteElementModel:
         stiffness=ties.stiffness(),
         masses=np.append(plate.masses, [arm.point_mass for arm in heavy]),
         positions=np.concatenate([plate.positions, *(ties.tips[arm.name][None] for arm in heavy)]),
-        displacement=sparse.csr_array(
-            sparse.vstack([ties.reduce(plate.displacement), *(hubs[arm.name][:3] for arm in heavy)])
+        displacement=scipy.sparse.csr_array(
+            scipy.sparse.vstack([ties.reduce(plate.displacement), *(hubs[arm.name][:3] for arm in heavy)])
         ),
         membrane_strain=ties.strain,
         rigid_motions=ties.rigid_motions(),
@@ -300,35 +308,39 @@ class _Ties:
         first = int(self.free.sum())
         for name, mask in inside.items():
             full[np.ix_(mask, self.root_dofs[name] - first)] = self.plate.rigid_motion(self.roots[name])[mask]
-        selection = sparse.eye_array(self.plate.kind.size, format="csr")[:, np.flatnonzero(self.free)]
-        return sparse.csr_array(sparse.hstack([selection, sparse.csr_array(full)]))
+        selection = scipy.sparse.eye_array(self.plate.kind.size, format="csr")[:, np.flatnonzero(self.free)]
+        return scipy.sparse.csr_array(scipy.sparse.hstack([selection, scipy.sparse.csr_array(full)]))
 
     def reduce(self, matrix: SparseMatrix) -> SparseMatrix:
         """A matrix on plate degrees of freedom (k, n) turned into one on the free ones."""
-        return sparse.csr_array(matrix @ self._transformation)
+        return scipy.sparse.csr_array(matrix @ self._transformation)
 
     def stiffness(self) -> SparseMatrix:
         """Plate and arms; tension gives none to the tilting of the whole."""
-        total = sparse.csr_array(self._transformation.T @ self.plate.stiffness @ self._transformation)
+        total = scipy.sparse.csr_array(self._transformation.T @ self.plate.stiffness @ self._transformation)
         for arm in self.arms:
             if arm.section is not None:
                 dofs = np.concatenate([self.root_dofs[arm.name], self.attachment_dofs[arm.name]])
                 block = beam_stiffness(arm.section, self.roots[arm.name], self.tips[arm.name])
                 indices = (np.repeat(dofs, 12), np.tile(dofs, 12))
-                total = total + sparse.csr_array((block.ravel(), indices), shape=total.shape)
-        return _without_tilting(total, self.rigid_motions()) if self.has_tension else sparse.csr_array(total)
+                total = total + scipy.sparse.csr_array((block.ravel(), indices), shape=total.shape)
+        return (
+            _without_tilting(total, self.rigid_motions())
+            if self.has_tension
+            else scipy.sparse.csr_array(total)
+        )
 
     def strain(self) -> MembraneStrain:
         """Of the plate and along the arms that bend."""
-        identity = sparse.eye_array(self.count, format="csr")
+        identity = scipy.sparse.eye_array(self.count, format="csr")
         parts = [self.plate.strain().reduced(self.reduce)]
         for arm in self.arms:
             if arm.section is not None:
                 dofs = np.concatenate([self.root_dofs[arm.name], self.attachment_dofs[arm.name]])
                 *rows, weights = beam_slopes(self.roots[arm.name], self.tips[arm.name])
-                own: SparseMatrix = sparse.csr_array(identity[dofs])
-                stretch, along_y, along_z = (sparse.csr_array(row @ own) for row in rows)
-                stiffness = sparse.csr_array(sparse.diags_array(arm.section.axial * weights))
+                own: SparseMatrix = scipy.sparse.csr_array(identity[dofs])
+                stretch, along_y, along_z = (scipy.sparse.csr_array(row @ own) for row in rows)
+                stiffness = scipy.sparse.csr_array(scipy.sparse.diags_array(arm.section.axial * weights))
                 parts.append(MembraneStrain(stretch, ((along_y, along_y), (along_z, along_z)), stiffness))
         return combined(parts)
 
@@ -343,8 +355,8 @@ class _Ties:
 
     def attachment_motions(self) -> dict[str, SparseMatrix]:
         """Motion (6, n) of every attachment point."""
-        identity = sparse.eye_array(self.count, format="csr")
-        return {name: sparse.csr_array(identity[dofs]) for name, dofs in self.attachment_dofs.items()}
+        identity = scipy.sparse.eye_array(self.count, format="csr")
+        return {name: scipy.sparse.csr_array(identity[dofs]) for name, dofs in self.attachment_dofs.items()}
 
 
 def _without_tilting(stiffness: SparseMatrix, rigid_motions: Vector) -> SparseMatrix:
@@ -355,6 +367,6 @@ def _without_tilting(stiffness: SparseMatrix, rigid_motions: Vector) -> SparseMa
     tilts = rigid_motions[:, 3:5]
     forces = np.asarray(stiffness @ tilts)
     forces[np.abs(forces) < _ROUNDING * np.abs(forces).max()] = 0.0
-    border = sparse.csr_array(forces)
-    whole: SparseMatrix = border @ sparse.csr_array(np.linalg.inv(tilts.T @ forces)) @ border.T
-    return sparse.csr_array(stiffness - whole)
+    border = scipy.sparse.csr_array(forces)
+    whole: SparseMatrix = border @ scipy.sparse.csr_array(np.linalg.inv(tilts.T @ forces)) @ border.T
+    return scipy.sparse.csr_array(stiffness - whole)

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ..contract.component import Vector
 from .finite_elements import PlateNodes, Rectangle, SparseMatrix
@@ -47,8 +47,10 @@ def plate_nodes(
     return PlateNodes(
         positions=np.column_stack([places, np.zeros(len(places))]),
         faces=faces[deforming],
-        resultants=_by_node([sparse.csr_array(average @ r) for r in _at_corners(x, y, plate)], len(places)),
-        slopes=_by_node([sparse.csr_array(average @ r) for r in _slopes_at_corners(x, y)], len(places)),
+        resultants=_by_node(
+            [scipy.sparse.csr_array(average @ r) for r in _at_corners(x, y, plate)], len(places)
+        ),
+        slopes=_by_node([scipy.sparse.csr_array(average @ r) for r in _slopes_at_corners(x, y)], len(places)),
         translations=translations,
         membrane=np.array([[a11, a12, 0.0], [a12, a22, 0.0], [0.0, 0.0, a66]]),
         inserts=tuple(inserts),
@@ -80,7 +82,7 @@ def _average(nx: int, ny: int, deforming: NDArray[np.bool_]) -> SparseMatrix:
     column = np.column_stack([(2 * i + p) * 2 * ny + 2 * j + q for p in (0, 1) for q in (0, 1)])
     rows, columns = corner[deforming].ravel(), column[deforming].ravel()
     meeting = np.bincount(rows, minlength=count)
-    return sparse.csr_array((1.0 / meeting[rows], (rows, columns)), shape=(count, 4 * nx * ny))
+    return scipy.sparse.csr_array((1.0 / meeting[rows], (rows, columns)), shape=(count, 4 * nx * ny))
 
 
 def _at_corners(x: AxisCorners, y: AxisCorners, plate: Plate) -> list[SparseMatrix]:
@@ -100,9 +102,11 @@ def _at_corners(x: AxisCorners, y: AxisCorners, plate: Plate) -> list[SparseMatr
         [-2.0 * d66 * twist, None, None],
     ]
     widths = (curvature_x.shape[1], along_x.shape[1], along_x.shape[1])
-    empty = [sparse.csr_array((along_x.shape[0], width)) for width in widths]
+    empty = [scipy.sparse.csr_array((along_x.shape[0], width)) for width in widths]
     return [
-        sparse.csr_array(sparse.hstack([e if b is None else b for b, e in zip(row, empty, strict=True)]))
+        scipy.sparse.csr_array(
+            scipy.sparse.hstack([e if b is None else b for b, e in zip(row, empty, strict=True)])
+        )
         for row in rows
     ]
 
@@ -111,17 +115,20 @@ def _slopes_at_corners(x: AxisCorners, y: AxisCorners) -> list[SparseMatrix]:
     """w,x and w,y at the corners of every element, each (4 elements, n)."""
     (x0, x1, _), (y0, y1, _) = x.bending, y.bending
     in_plane = 2 * x.stretching[0].shape[1] * y.stretching[0].shape[1]
-    still = sparse.csr_array((x0.shape[0] * y0.shape[0], in_plane))
-    return [sparse.csr_array(sparse.hstack([turned, still])) for turned in (kron(x1, y0), kron(x0, y1))]
+    still = scipy.sparse.csr_array((x0.shape[0] * y0.shape[0], in_plane))
+    return [
+        scipy.sparse.csr_array(scipy.sparse.hstack([turned, still]))
+        for turned in (kron(x1, y0), kron(x0, y1))
+    ]
 
 
 def kron(left: SparseMatrix, right: SparseMatrix) -> SparseMatrix:
     """Tensor product of what two directions give."""
-    return sparse.csr_array(sparse.kron(left, right))
+    return scipy.sparse.csr_array(scipy.sparse.kron(left, right))
 
 
 def _by_node(components: Sequence[SparseMatrix], count: int) -> SparseMatrix:
     """Matrices (count, n), one a component, with their rows interleaved."""
-    stacked = sparse.csr_array(sparse.vstack(components))
+    stacked = scipy.sparse.csr_array(scipy.sparse.vstack(components))
     order = np.arange(len(components) * count).reshape(len(components), count).T.ravel()
-    return sparse.csr_array(stacked[order])
+    return scipy.sparse.csr_array(stacked[order])

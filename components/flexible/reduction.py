@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import linalg, sparse
-from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
 
 from ..contract.component import ComponentError, Vector
 from .finite_elements import FiniteElementModel, SparseMatrix, factorize
@@ -44,7 +43,11 @@ def _boundary(model: FiniteElementModel, attachment_points: Sequence[str]) -> ND
 
 
 def _lowest_modes(
-    stiffness: SparseMatrix, mass: SparseMatrix, count: int, factor: SuperLU, shift: float = 0.0
+    stiffness: SparseMatrix,
+    mass: SparseMatrix,
+    count: int,
+    factor: scipy.sparse.linalg.SuperLU,
+    shift: float = 0.0,
 ) -> tuple[Vector, Vector]:
     """Lowest eigenvalues (count,) and mass-normalised vectors (n, count), given the LU of K - shift M."""
     if count < 0:
@@ -52,21 +55,25 @@ def _lowest_modes(
     if count == 0:
         return np.zeros(0), np.zeros((stiffness.shape[0], 0))
     if count == stiffness.shape[0]:
-        found = linalg.eigh(stiffness.toarray(), mass.toarray())
+        found = scipy.linalg.eigh(stiffness.toarray(), mass.toarray())
         return found[0], found[1]
     if count > stiffness.shape[0]:
         raise ComponentError(
             f"{count} modes asked for, but only {stiffness.shape[0]} degrees of freedom between its attachment points; "
             "ask for fewer (fixed_interface_modes), or give more elements"
         )
-    inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
+    inverse = scipy.sparse.linalg.LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
     start = np.random.default_rng(1).standard_normal(stiffness.shape[0])
-    values, vectors = eigsh(stiffness, k=count, M=mass, sigma=shift, OPinv=inverse, v0=start)
+    values, vectors = scipy.sparse.linalg.eigsh(
+        stiffness, k=count, M=mass, sigma=shift, OPinv=inverse, v0=start
+    )
     order = np.argsort(values)
     return values[order], vectors[:, order]
 
 
-def _lowest_whole(stiffness: SparseMatrix, mass: SparseMatrix, count: int, factor: SuperLU) -> Vector:
+def _lowest_whole(
+    stiffness: SparseMatrix, mass: SparseMatrix, count: int, factor: scipy.sparse.linalg.SuperLU
+) -> Vector:
     """The same vectors, and with them all those of the frequency of the last one.
 
     With half of a pair a round boom would swing out of the plane that it is moved in.
@@ -108,7 +115,7 @@ def fixed_interface_frequencies(
 def free_frequencies(model: FiniteElementModel, count: int) -> Vector:
     """Lowest elastic frequencies (count,) in rad/s of the free body."""
     shift = -(float(2.0 * np.pi) ** 2)  # a rigid body on 1 Hz springs is regular and spoils no mode
-    factor = factorize(sparse.csr_array(model.stiffness - shift * model.mass_matrix))
+    factor = factorize(scipy.sparse.csr_array(model.stiffness - shift * model.mass_matrix))
     values, _ = _lowest_modes(model.stiffness, model.mass_matrix, count + 6, factor, shift)
     return np.sqrt(values[6:])
 
@@ -145,8 +152,8 @@ def orthonormal_modes(
     stiffness = elastic.T @ _times(model.stiffness, elastic)
     mass = elastic.T @ _times(model.mass_matrix, elastic)
     try:
-        values, vectors = linalg.eigh(0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T))
-    except linalg.LinAlgError:
+        values, vectors = scipy.linalg.eigh(0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T))
+    except scipy.linalg.LinAlgError:
         raise ComponentError(
             "some motions have no kinetic energy, or a negative one, by the mass matrix; it is not that of a body"
         ) from None
@@ -177,7 +184,7 @@ def inertia_relief(
     arms = model.positions - model.center_of_mass
     factors = np.column_stack([np.ones(len(arms)), arms])
     fields = np.einsum("q,qj,ik->qijk", model.masses, factors, np.eye(3))  # row 3 q + i, column 3 j + k
-    loads = -_times(sparse.csr_array(model.displacement.T), fields.reshape(-1, 12))
+    loads = -_times(scipy.sparse.csr_array(model.displacement.T), fields.reshape(-1, 12))
     shapes = np.zeros((model.stiffness.shape[0], 12))
     shapes[interior] = factorize(model.stiffness[interior][:, interior]).solve(loads[interior])
     amplitudes = modes.T @ _times(model.stiffness, shapes) / frequency[:, None] ** 2

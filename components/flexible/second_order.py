@@ -8,7 +8,7 @@ the mean-axis frame to second order (modal derivatives: Wu and Tiso 2016).
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import ComponentError, Vector
 from .finite_elements import FiniteElementModel, factorize
@@ -20,7 +20,7 @@ _AT_ONCE = 64  # pairs of modes, whose strains take much memory
 def second_order_shapes(model: FiniteElementModel, shapes: Vector) -> Vector:
     """Psi (n, S (S + 1) / 2) of shapes (n, S): of every two, those of `membrane_strain.pairs` in order."""
     strain, free = model.strain, FreeResponse(model)
-    load_of = sparse.csr_array(strain.linear.T @ strain.stiffness)
+    load_of = scipy.sparse.csr_array(strain.linear.T @ strain.stiffness)
     response = np.empty((len(shapes), pairs(shapes.shape[1])[0].size))
     for start in range(0, response.shape[1], _AT_ONCE):
         some = slice(start, start + _AT_ONCE)
@@ -56,7 +56,7 @@ def symmetric(values: Vector, count: int) -> Vector:
 def second_order_inertia(model: FiniteElementModel, response: Vector, count: int) -> Vector:
     """What invariant 9 gains, (S, S, 3, 3) kg m2: the symmetric part of sum m skew(s) skew(Psi_jk)."""
     arms = model.masses[:, None] * (model.positions - model.center_of_mass)
-    sums = sparse.csr_array(sparse.kron(arms.T, np.eye(3))) @ model.displacement  # row 3 a + b
+    sums = scipy.sparse.csr_array(scipy.sparse.kron(arms.T, np.eye(3))) @ model.displacement  # row 3 a + b
     moment = symmetric(np.asarray(sums @ response).reshape(3, 3, -1), count)
     both = 0.5 * (moment + moment.transpose(1, 0, 2, 3)) - np.einsum("ccjk,ab->abjk", moment, np.eye(3))
     gained: Vector = both.transpose(2, 3, 0, 1)

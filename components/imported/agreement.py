@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import inf, isnan, nan, pi
 
 import numpy as np
-from scipy import linalg, sparse
+import scipy
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import FiniteElementModel, SparseMatrix
@@ -87,7 +87,9 @@ def check_symmetry(data: FiniteElementData) -> tuple[Finding, ...]:
 
 def _symmetry(name: str, matrix: SparseMatrix) -> Finding:
     size = np.sqrt(np.abs(matrix.diagonal()))
-    scale = sparse.diags_array(1.0 / np.maximum(size, np.sqrt(_FREE) * size.max() + np.finfo(float).tiny))
+    scale = scipy.sparse.diags_array(
+        1.0 / np.maximum(size, np.sqrt(_FREE) * size.max() + np.finfo(float).tiny)
+    )
     difference = float(abs(scale @ (matrix - matrix.T) @ scale).max())
     problem = ""
     if difference > _SYMMETRIC:
@@ -100,7 +102,7 @@ def _symmetry(name: str, matrix: SparseMatrix) -> Finding:
 
 def symmetric(matrix: SparseMatrix) -> SparseMatrix:
     """The symmetric part."""
-    return sparse.csr_array(0.5 * (matrix + matrix.T))
+    return scipy.sparse.csr_array(0.5 * (matrix + matrix.T))
 
 
 def check_model(data: FiniteElementData, model: FiniteElementModel, stated: Stated) -> tuple[Finding, ...]:
@@ -139,7 +141,7 @@ def _moves_with_energy(model: FiniteElementModel) -> bool:
     """Whether no motion has negative kinetic energy, of models whose modes are all looked at."""
     if model.stiffness.shape[0] > _DENSE:
         return True
-    energies = linalg.eigvalsh(model.mass_matrix.toarray())
+    energies = scipy.linalg.eigvalsh(model.mass_matrix.toarray())
     return bool(energies[0] > -_FREE * energies[-1])
 
 
@@ -147,7 +149,10 @@ def first_frequency(model: FiniteElementModel) -> float:
     """First elastic frequency of the free body, Hz; infinite where nothing can bend, NaN where there is none."""
     try:
         hertz = free_hertz(model, 1)
-    except (linalg.LinAlgError, RuntimeError):  # no factors, or no convergence: eigenvalues far below zero
+    except (
+        scipy.linalg.LinAlgError,
+        RuntimeError,
+    ):  # no factors, or no convergence: eigenvalues far below zero
         return nan
     return float(hertz[0]) if hertz.size else inf
 
@@ -159,7 +164,7 @@ def free_hertz(model: FiniteElementModel, count: int) -> Vector:
         return free_frequencies(model, count) / (2.0 * pi)
     stiffness, mass = model.stiffness.toarray(), model.mass_matrix.toarray()
     shift = _regular(model)
-    values = linalg.eigh(mass, stiffness + shift * mass, eigvals_only=True)[::-1]
+    values = scipy.linalg.eigh(mass, stiffness + shift * mass, eigvals_only=True)[::-1]
     elastic = 1.0 / values[values > _FREE * values[0]][6 : 6 + count] - shift
     hertz: Vector = np.sqrt(np.maximum(elastic, 0.0)) / (2.0 * pi)
     return hertz
@@ -174,7 +179,7 @@ def _rigid(model: FiniteElementModel, mass: Vector, first: float) -> Iterator[Fi
     """Energy of rigid motions, as the frequencies that they would have."""
     rigid = model.rigid_motions
     energy = rigid.T @ np.asarray(model.stiffness @ rigid)
-    values = linalg.eigvalsh(energy, mass)
+    values = scipy.linalg.eigvalsh(energy, mass)
     highest = float(np.sqrt(max(np.abs(values)))) / (2.0 * pi)
     # where a part moves without stiffness both are nothing, which is told as such
     share = 0.0 if first == inf or max(first, highest) < _NOTHING else (highest / max(first, _NOTHING)) ** 2
@@ -272,9 +277,9 @@ def _soft_points(model: FiniteElementModel) -> Iterator[Finding]:
     if interior.size:
         coupling = model.stiffness[interior][:, boundary].toarray()
         try:
-            solved = sparse.linalg.splu(sparse.csc_array(model.stiffness[interior][:, interior])).solve(
-                coupling
-            )
+            solved = scipy.sparse.linalg.splu(
+                scipy.sparse.csc_array(model.stiffness[interior][:, interior])
+            ).solve(coupling)
         except RuntimeError:
             yield Finding("held at its points", "", _LOOSE)
             return

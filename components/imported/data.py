@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import OutputRows, SparseMatrix
@@ -211,14 +211,14 @@ def without_empty(data: FiniteElementData, points: Collection[int]) -> FiniteEle
     kept = np.flatnonzero((size > 0.0) | of_point)
     if len(kept) == len(data.dofs):
         return data
-    return transformed(data, sparse.eye_array(len(data.dofs), format="csr")[:, kept], data.dofs[kept])
+    return transformed(data, scipy.sparse.eye_array(len(data.dofs), format="csr")[:, kept], data.dofs[kept])
 
 
 def _in_basic_axes(data: FiniteElementData) -> FiniteElementData:
     """The same with all displacements in basic axes."""
     if not len(data.axes):
         return data
-    turn = sparse.lil_array((len(data.dofs), len(data.dofs)))
+    turn = scipy.sparse.lil_array((len(data.dofs), len(data.dofs)))
     turn.setdiag(1.0)
     for node, axes in zip(data.nodes, data.axes, strict=True):
         if np.array_equal(axes, np.eye(3)):
@@ -231,7 +231,7 @@ def _in_basic_axes(data: FiniteElementData) -> FiniteElementData:
                     f"node {node} has axes of its own and not all its components; keep all six"
                 )
             turn[rows[:, None], rows] = axes[: rows.size]  # local = axes @ basic
-    return transformed(data, sparse.csr_array(turn), data.dofs)
+    return transformed(data, scipy.sparse.csr_array(turn), data.dofs)
 
 
 def transformed(data: FiniteElementData, change: SparseMatrix, dofs: Integers) -> FiniteElementData:
@@ -239,11 +239,12 @@ def transformed(data: FiniteElementData, change: SparseMatrix, dofs: Integers) -
     samples, recovery, outputs = data.samples, data.recovery, data.outputs
     return replace(
         data,
-        stiffness=sparse.csr_array(change.T @ data.stiffness @ change),
-        mass=sparse.csr_array(change.T @ data.mass @ change),
+        stiffness=scipy.sparse.csr_array(change.T @ data.stiffness @ change),
+        mass=scipy.sparse.csr_array(change.T @ data.mass @ change),
         dofs=dofs,
-        samples=samples and replace(samples, displacement=sparse.csr_array(samples.displacement @ change)),
-        recovery=recovery and replace(recovery, motion=sparse.csr_array(recovery.motion @ change)),
+        samples=samples
+        and replace(samples, displacement=scipy.sparse.csr_array(samples.displacement @ change)),
+        recovery=recovery and replace(recovery, motion=scipy.sparse.csr_array(recovery.motion @ change)),
         outputs=outputs and replace(outputs, rows=np.asarray(outputs.rows @ change)),
     )
 
@@ -253,7 +254,7 @@ def in_si(data: FiniteElementData, length: float, mass: float) -> FiniteElementD
     if length == mass == 1.0:
         return data
     turning = data.dofs[:, 1] >= 4
-    change = sparse.csr_array(sparse.diags_array(np.where(turning, 1.0, 1.0 / length)))
+    change = scipy.sparse.csr_array(scipy.sparse.diags_array(np.where(turning, 1.0, 1.0 / length)))
     found = transformed(data, change, data.dofs)
     energy = mass * length**2
     samples, recovery = found.samples, found.recovery
@@ -268,8 +269,9 @@ def in_si(data: FiniteElementData, length: float, mass: float) -> FiniteElementD
         and replace(
             recovery,
             coordinates=length * recovery.coordinates,
-            motion=sparse.csr_array(
-                sparse.diags_array(np.tile([length] * 3 + [1.0] * 3, len(recovery.nodes))) @ recovery.motion
+            motion=scipy.sparse.csr_array(
+                scipy.sparse.diags_array(np.tile([length] * 3 + [1.0] * 3, len(recovery.nodes)))
+                @ recovery.motion
             ),
         ),
         outputs=found.outputs and _outputs_in_si(found.outputs, length, mass),

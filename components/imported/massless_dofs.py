@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import pi
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from .data import FiniteElementData
 
@@ -28,13 +28,13 @@ def with_mass_everywhere(data: FiniteElementData) -> FiniteElementData:
     if diagonal.min() > 0.0 and _is_regular(data):
         return data
     added = data.stiffness * (1.0 / _FREQUENCY**2)
-    return replace(data, mass=sparse.csr_array(data.mass + added))
+    return replace(data, mass=scipy.sparse.csr_array(data.mass + added))
 
 
 def _is_regular(data: FiniteElementData) -> bool:
     """Whether all motions of a small model have mass; of large ones the reduced basis decides, which has."""
     if len(data.dofs) > _DENSE:
         return True
-    scale = sparse.diags_array(1.0 / np.sqrt(data.mass.diagonal()))
+    scale = scipy.sparse.diags_array(1.0 / np.sqrt(data.mass.diagonal()))
     values = np.linalg.eigvalsh((scale @ data.mass @ scale).toarray())
     return bool(values[0] > _MASSLESS * values[-1])

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import OutputRows, SparseMatrix
@@ -157,13 +157,15 @@ def _needed(found: Matrices, name: str) -> Any:  # noqa: ANN401 - dense or spars
 
 
 def _sparse(matrix: Any) -> SparseMatrix:  # noqa: ANN401 - dense or sparse
-    if not sparse.issparse(matrix) and np.ndim(matrix) != 2:
+    if not scipy.sparse.issparse(matrix) and np.ndim(matrix) != 2:
         raise ComponentError(f"a matrix has {np.ndim(matrix)} dimensions; it must have two")
-    return sparse.csr_array(_real(matrix), dtype=float)
+    return scipy.sparse.csr_array(_real(matrix), dtype=float)
 
 
 def _dense(matrix: Any) -> Vector:  # noqa: ANN401 - dense or sparse
-    dense = matrix.toarray() if isinstance(matrix, sparse.coo_array | sparse.csr_array) else matrix
+    dense = (
+        matrix.toarray() if isinstance(matrix, scipy.sparse.coo_array | scipy.sparse.csr_array) else matrix
+    )
     return np.array(_real(dense), dtype=np.float64)
 
 
@@ -215,7 +217,7 @@ def read_npz(path: Path) -> FiniteElementData:
     return from_matrices(found)
 
 
-def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_array:
+def _from_entries(name: str, entries: Vector, found: Matrices) -> scipy.sparse.coo_array:
     """A sparse matrix of its entries (k, 3)."""
     if np.ndim(entries) != 2 or np.shape(entries)[1] != 3 or not len(entries):
         raise ComponentError(f"{name} is {np.shape(entries)}; it must have three columns: row, column, value")
@@ -230,7 +232,7 @@ def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_arr
             f"{name}: an entry is in row {rows.max() + 1} and column {columns.max() + 1}, and there are {height} rows "
             f"and {count} columns"
         )
-    return sparse.coo_array((entries[:, 2], (rows, columns)), shape=(height, count))
+    return scipy.sparse.coo_array((entries[:, 2], (rows, columns)), shape=(height, count))
 
 
 def _shape(matrix: str, last_row: int, last_column: int, found: Matrices) -> tuple[int, int]:

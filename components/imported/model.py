@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import FiniteElementModel, SparseMatrix
@@ -34,8 +34,10 @@ def finite_element_model(
     for name, node in nodes.items():
         positions[name], motions[name] = _moving(data, name, node)
     samples = data.samples or _nodal_samples(data)
-    sampled = samples.displacement.T @ sparse.diags_array(np.repeat(samples.masses, 3)) @ samples.displacement
-    further = sparse.csr_array(data.mass - sampled)
+    sampled = (
+        samples.displacement.T @ scipy.sparse.diags_array(np.repeat(samples.masses, 3)) @ samples.displacement
+    )
+    further = scipy.sparse.csr_array(data.mass - sampled)
     small = _ROUNDING * float(abs(data.mass).max())
     display, motion, faces = _display(data)
     return FiniteElementModel(
@@ -44,7 +46,7 @@ def finite_element_model(
         positions=samples.positions,
         displacement=samples.displacement,
         membrane_strain=partial(
-            MembraneStrain, sparse.csr_array((0, len(data.dofs))), (), sparse.csr_array((0, 0))
+            MembraneStrain, scipy.sparse.csr_array((0, len(data.dofs))), (), scipy.sparse.csr_array((0, 0))
         ),
         rigid_motions=data.rigid_motions(),
         point_positions=positions,
@@ -77,7 +79,9 @@ def _six(data: FiniteElementData, name: str, node: int) -> Integers:
 
 
 def _selection(rows: Integers, count: int) -> SparseMatrix:
-    return sparse.csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), shape=(len(rows), count))
+    return scipy.sparse.csr_array(
+        (np.ones(len(rows)), (np.arange(len(rows)), rows)), shape=(len(rows), count)
+    )
 
 
 def _moving(data: FiniteElementData, name: str, node: int) -> tuple[Vector, SparseMatrix]:
@@ -85,7 +89,7 @@ def _moving(data: FiniteElementData, name: str, node: int) -> tuple[Vector, Spar
     recovery = data.recovery
     if recovery is not None and node in recovery.nodes:
         place = int(np.flatnonzero(recovery.nodes == node)[0])
-        return recovery.coordinates[place], sparse.csr_array(recovery.motion[6 * place : 6 * place + 6])
+        return recovery.coordinates[place], scipy.sparse.csr_array(recovery.motion[6 * place : 6 * place + 6])
     if node not in data.nodes:
         known = data.nodes if recovery is None else np.union1d(data.nodes, recovery.nodes)
         raise ComponentError(f"node {name}: there is no node {node}; {told_nodes(known)}")
@@ -95,17 +99,17 @@ def _moving(data: FiniteElementData, name: str, node: int) -> tuple[Vector, Spar
             f"node {name}: node {node} does not move by itself in all three directions; where a rigid element or a "
             "mean determines it, use its point, or a node next to it"
         )
-    rows = sparse.lil_array((6, len(data.dofs)))
+    rows = scipy.sparse.lil_array((6, len(data.dofs)))
     for component, dof in own.items():
         rows[component - 1, dof] = 1.0
-    return data.coordinates[data.place(node)], sparse.csr_array(rows)
+    return data.coordinates[data.place(node)], scipy.sparse.csr_array(rows)
 
 
 def _nodal_samples(data: FiniteElementData) -> MassSamples:
     """The mass of every node as a point mass; none for reduced models, whose mass is not at their nodes."""
     count = len(data.dofs)
     if data.ready:
-        return MassSamples(np.zeros(0), np.zeros((0, 3)), sparse.csr_array((0, count)))
+        return MassSamples(np.zeros(0), np.zeros((0, 3)), scipy.sparse.csr_array((0, count)))
     owners = {int(node): data.dofs_of(int(node)) for node in data.nodes}
     moving = [node for node, own in owners.items() if {1, 2, 3} <= own.keys()]
     rows = np.array([[owners[node][k] for k in (1, 2, 3)] for node in moving], dtype=np.int64).reshape(-1, 3)
@@ -137,7 +141,7 @@ def _display(data: FiniteElementData) -> tuple[Vector, SparseMatrix, Integers]:
     _, first = np.unique(places, axis=0, return_index=True)
     corners, faces = span([tuple(place) for place in places.tolist()])
     if not len(corners):
-        return np.zeros((0, 3)), sparse.csr_array((0, len(data.dofs))), faces
+        return np.zeros((0, 3)), scipy.sparse.csr_array((0, len(data.dofs))), faces
     used = np.unique(faces)
-    motion = sparse.vstack([found[first[k]][1][:3] for k in used])
-    return corners[used], sparse.csr_array(motion), np.searchsorted(used, faces).astype(np.int64)
+    motion = scipy.sparse.vstack([found[first[k]][1][:3] for k in used])
+    return corners[used], scipy.sparse.csr_array(motion), np.searchsorted(used, faces).astype(np.int64)

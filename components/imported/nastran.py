@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..cache.disk import users_folder
 from ..contract.component import ComponentError, Vector
@@ -133,8 +133,8 @@ def read_superelement(path: Path) -> FiniteElementData:
     if "dofs" in known:
         return _own(path, known, dofs)
     data = FiniteElementData(
-        stiffness=sparse.csr_array(known["stiffness"]),
-        mass=sparse.csr_array(known["mass"]),
+        stiffness=scipy.sparse.csr_array(known["stiffness"]),
+        mass=scipy.sparse.csr_array(known["mass"]),
         nodes=nodes,
         coordinates=coordinates,
         dofs=dofs,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import ComponentError
 from .data import FiniteElementData, NodeTable
@@ -82,5 +82,5 @@ def read_dmig(path: Path) -> dict[str, LabelledMatrix]:
         if frame.columns.nlevels != 2 or not frame.index.equals(frame.columns) or np.iscomplexobj(values):
             continue
         dofs = np.array(frame.index.to_list(), dtype=np.int64)
-        found[name] = LabelledMatrix(path.name, dofs, sparse.csr_array(values))
+        found[name] = LabelledMatrix(path.name, dofs, scipy.sparse.csr_array(values))
     return found

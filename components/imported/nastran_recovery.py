@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import OutputRows
@@ -88,7 +88,7 @@ def _recovery(
         motions.append(np.vstack([axes.T @ rows[own[:3]], moved[3:, 3:].T @ rows[own[3:]]]))
     if not nodes:
         return None
-    return Recovery(np.array(nodes), np.array(places), sparse.csr_array(np.concatenate(motions)))
+    return Recovery(np.array(nodes), np.array(places), scipy.sparse.csr_array(np.concatenate(motions)))
 
 
 def _basic_rigid(data: FiniteElementData) -> Vector:

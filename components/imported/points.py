@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import linalg, sparse
+import scipy
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.modal import rigid_motion
@@ -56,7 +56,7 @@ def _reference(data: FiniteElementData, point: JoinedPoint) -> Vector:
 
 
 def _with_node(
-    data: FiniteElementData, position: Vector, gone: Sequence[int], change: sparse.csr_array
+    data: FiniteElementData, position: Vector, gone: Sequence[int], change: scipy.sparse.csr_array
 ) -> tuple[FiniteElementData, int]:
     """The data with degrees of freedom replaced by the six of a new node, which come last."""
     number = int(data.nodes.max()) + 1
@@ -85,13 +85,13 @@ def _rigid(data: FiniteElementData, element: JoinedPoint) -> tuple[FiniteElement
     return _with_node(data, position, gone, _replacing(len(data.dofs), gone, np.array(rows)))
 
 
-def _replacing(count: int, gone: Sequence[int], rows: Vector) -> sparse.csr_array:
+def _replacing(count: int, gone: Sequence[int], rows: Vector) -> scipy.sparse.csr_array:
     """Old degrees of freedom (count,) from those that stay, then the six that the rows (len(gone), 6) are of."""
     stay = np.setdiff1d(np.arange(count), gone)
-    change = sparse.lil_array((count, stay.size + 6))
+    change = scipy.sparse.lil_array((count, stay.size + 6))
     change[stay, np.arange(stay.size)] = 1.0
     change[np.asarray(gone), stay.size :] = rows
-    return sparse.csr_array(change)
+    return scipy.sparse.csr_array(change)
 
 
 def _mean(data: FiniteElementData, mean: JoinedPoint) -> tuple[FiniteElementData, int]:
@@ -116,12 +116,12 @@ def _mean(data: FiniteElementData, mean: JoinedPoint) -> tuple[FiniteElementData
             "not turn; give three that span a plane"
         )
     weights = np.linalg.pinv(fit)  # (6, 3 k): motion of the point from the translations
-    pivots = linalg.qr(weights, pivoting=True)[2][:6]
+    pivots = scipy.linalg.qr(weights, pivoting=True)[2][:6]
     rest = np.setdiff1d(np.arange(len(columns)), pivots)
     inverse = np.linalg.inv(weights[:, pivots])
     gone = [columns[k] for k in pivots]
-    change = sparse.lil_array(_replacing(len(data.dofs), gone, inverse))
+    change = scipy.sparse.lil_array(_replacing(len(data.dofs), gone, inverse))
     stay = np.setdiff1d(np.arange(len(data.dofs)), gone)
     places = np.searchsorted(stay, [columns[k] for k in rest])
     change[np.array(gone)[:, None], places] = -inverse @ weights[:, rest]
-    return _with_node(data, position, gone, sparse.csr_array(change))
+    return _with_node(data, position, gone, scipy.sparse.csr_array(change))

@@ -8,7 +8,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from scipy import io, sparse
+import scipy
 
 from ..contract.component import ComponentError
 from .data import FiniteElementData
@@ -100,13 +100,13 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
         with reading(path, "Matrix Market"):
             _refuse_other_size(content)
             # SciPy reads beyond the end of a file that is cut off within an exponent, but not beyond a line
-            return sparse.coo_array(io.mmread(BytesIO(_in_plain_numbers(content) + b"\n")))
+            return scipy.sparse.coo_array(scipy.io.mmread(BytesIO(_in_plain_numbers(content) + b"\n")))
     return read_entries(path) if name in ("stiffness", "mass") else read_columns(path)
 
 
 def _refuse_other_size(content: bytes) -> None:
     """ValueError before memory is taken for a Matrix Market file of more numbers than it has characters."""
-    rows, columns, entries, layout, _, symmetry = io.mminfo(BytesIO(content))
+    rows, columns, entries, layout, _, symmetry = scipy.io.mminfo(BytesIO(content))
     if layout == "array":
         entries = rows * columns if symmetry == "general" else rows * (rows - 1) // 2
     if max(rows, columns, entries) > len(content):

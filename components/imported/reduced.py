@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ..contract.component import Vector
 from ..flexible.finite_elements import FiniteElementModel
@@ -42,9 +42,9 @@ def reduced_data(
     )
 
 
-def _projected(matrix: sparse.csr_array, basis: Vector) -> sparse.csr_array:
+def _projected(matrix: scipy.sparse.csr_array, basis: Vector) -> scipy.sparse.csr_array:
     found = basis.T @ np.asarray(matrix @ basis)
-    return sparse.csr_array(0.5 * (found + found.T))
+    return scipy.sparse.csr_array(0.5 * (found + found.T))
 
 
 def _recovered(model: FiniteElementModel, nodes: Sequence[str], basis: Vector, first: int) -> Recovery:
@@ -53,7 +53,7 @@ def _recovered(model: FiniteElementModel, nodes: Sequence[str], basis: Vector, f
     shown = np.zeros((len(model.display_positions), 6, basis.shape[1]))
     shown[:, :3] = np.asarray(model.display_displacement @ basis).reshape(-1, 3, basis.shape[1])
     places = np.array([*(model.point_positions[name] for name in nodes), *model.display_positions])
-    motion = sparse.csr_array(np.concatenate([*moved, shown.reshape(-1, basis.shape[1])]))
+    motion = scipy.sparse.csr_array(np.concatenate([*moved, shown.reshape(-1, basis.shape[1])]))
     return Recovery(np.arange(first, first + len(places)), places.reshape(-1, 3), motion)
 
 
@@ -65,13 +65,13 @@ def few_samples(masses: Vector, positions: Vector, displacement: Vector) -> Mass
     """
     count, coordinates = masses.size, displacement.shape[1]
     if count <= 4 + 3 * coordinates:
-        return MassSamples(masses, positions, sparse.csr_array(displacement))
+        return MassSamples(masses, positions, scipy.sparse.csr_array(displacement))
     fields = np.column_stack([np.ones(count), positions, displacement.reshape(count, 3 * coordinates)])
     factor = np.linalg.qr(np.sqrt(masses)[:, None] * fields).R
     mass = masses.sum() / len(factor)
     rows = _reflected(factor, np.full(len(factor), 1.0 / np.sqrt(len(factor)))) / np.sqrt(mass)
     return MassSamples(
-        np.full(len(rows), mass), rows[:, 1:4], sparse.csr_array(rows[:, 4:].reshape(-1, coordinates))
+        np.full(len(rows), mass), rows[:, 1:4], scipy.sparse.csr_array(rows[:, 4:].reshape(-1, coordinates))
     )
 
 

@@ -13,8 +13,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from components.contract.frames import rotate, subtract
 
@@ -109,7 +109,7 @@ def find_constraints(scene: PlacedScene) -> Constraints:
     _, values, directions = np.linalg.svd(slopes)
     rank = _counted(values)
     names = [name for c in held for name in c.names()]
-    order: list[int] = qr(slopes.T, mode="r", pivoting=True)[1].tolist() if names else []
+    order: list[int] = scipy.linalg.qr(slopes.T, mode="r", pivoting=True)[1].tolist() if names else []
     return Constraints(
         moving=moving,
         count=len(names),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
+import scipy
 
 from ...contract.component import ComponentError, Vector
 from ...flexible.finite_elements import SparseMatrix
@@ -42,7 +42,7 @@ class Entries:
             )
         if min(self.rows.min(), self.columns.min()) < 0:
             raise ComponentError(f"{self.file}: rows and columns count from 1")
-        return whole(sparse.csr_array((self.values, (self.rows, self.columns)), shape=(count, count)))
+        return whole(scipy.sparse.csr_array((self.values, (self.rows, self.columns)), shape=(count, count)))
 
 
 @dataclass(frozen=True)
@@ -67,19 +67,21 @@ class LabelledMatrix:
             raise ComponentError(
                 f"{self.file}: node {node} component {component} is not in the stiffness matrix; are both of one model?"
             ) from None
-        own = sparse.coo_array(self.matrix)
-        return sparse.csr_array((own.data, (rows[own.row], rows[own.col])), shape=(len(dofs), len(dofs)))
+        own = scipy.sparse.coo_array(self.matrix)
+        return scipy.sparse.csr_array(
+            (own.data, (rows[own.row], rows[own.col])), shape=(len(dofs), len(dofs))
+        )
 
 
 def whole(matrix: SparseMatrix) -> SparseMatrix:
     """The matrix itself, or with the other triangle where it has each of its entries once, in whatever order."""
     found = matrix.copy()
     found.eliminate_zeros()
-    beside = found - sparse.diags_array(found.diagonal(), format="csr")
+    beside = found - scipy.sparse.diags_array(found.diagonal(), format="csr")
     beside.eliminate_zeros()
     if beside.multiply(beside.T).nnz:
         return found
-    return sparse.csr_array(found + beside.T)
+    return scipy.sparse.csr_array(found + beside.T)
 
 
 def labelled(file: str, rows: Integers, columns: Integers, values: Vector) -> LabelledMatrix:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import linalg
 
 from components.contract.component import Vector
 
@@ -150,7 +150,7 @@ def normal_modes(model: LinearModel, constraints: Vector | None = None) -> Norma
     rows = model.free_rows
     basis = np.eye(len(model.mass))[:, rows]
     if constraints is not None:
-        basis = basis @ linalg.null_space(constraints[:, rows])
+        basis = basis @ scipy.linalg.null_space(constraints[:, rows])
     if not basis.shape[1]:
         raise SceneError(["nothing is free to move, so there are no modes"])
     mass = basis.T @ model.mass @ basis
@@ -158,9 +158,9 @@ def normal_modes(model: LinearModel, constraints: Vector | None = None) -> Norma
     shift = _SHIFT
     while True:
         try:
-            inverse, vectors = linalg.eigh(mass, stiffness + shift * mass)
+            inverse, vectors = scipy.linalg.eigh(mass, stiffness + shift * mass)
             break
-        except linalg.LinAlgError:
+        except scipy.linalg.LinAlgError:
             shift *= 100.0
             if shift > _LARGEST_SHIFT:
                 raise SceneError(["the stiffness has no modes: check springs with negative rates"]) from None
@@ -182,7 +182,7 @@ def spinning_modes(model: LinearModel) -> NormalModes:
     first = np.block(
         [[np.zeros((count, count)), np.diag(rates)], [-np.diag(still.eigenvalues / rates), -gyroscopic]]
     )
-    roots, vectors = linalg.eig(first)
+    roots, vectors = scipy.linalg.eig(first)
     # of conjugate pairs and of growth and decay, one each
     chosen = np.lexsort((-roots.real, -roots.imag))[:count]
     roots, vectors = roots[chosen], vectors[:count, chosen] / rates[:, None]
