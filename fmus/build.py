@@ -16,48 +16,28 @@ from pathlib import Path
 
 import numpy as np
 
-import components
 from components import Component, ComponentError
 from components.cache.disk import kept, replace_file
 
 from .archive import digest_of, zip_bytes
+from .compiled import NO_GUID, has_kernel, native_backend
 from .description.binaries import folder_here
-from .description.fmi2 import DATE_FORMAT, Backend, Experiment, FmiVersion, model_description
+from .description.choices import Backend, FmiVersion
+from .description.fmi2 import DATE_FORMAT, Experiment, model_description
 from .description.fmi3 import model_description3, terminals
 from .description.variables import StartValue, start_values
-from .native import CompileError, equations, library
+from .native import CompileError, native_library
 from .native.binary_data import component_bytes
-from .native.compile import ASSEMBLY
 from .native.platforms import libraries
 from .native.source_files import source_files
 from .python.bundle import python_code, python_data
 
-NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 _NO_TIME = datetime.fromtimestamp(0, UTC)
 _MOST_DESCRIPTIONS = 256
 _descriptions: dict[Hashable, bytes] = {}
 _MOST_ARCHIVES = 16
 """Of a megabyte and a half; scenes have about a dozen components."""
 _archives: dict[str, bytes] = {}
-
-
-def native_backend(component: Component) -> bool:
-    """Whether a component can be exported as a native FMU here: compiled at installation, and with a kernel."""
-    return library() is not None and _has_kernel(component)
-
-
-def _has_kernel(component: Component) -> bool:
-    """A kernel has the name of the component's file; kinds from outside have none, whatever data their bases give."""
-    if component.kind == ASSEMBLY:
-        return True
-    package, _, file = type(component).__module__.rpartition(".")
-    ours = package == components.__name__ and file in equations()
-    return ours and component.native_data() is not None
-
-
-def component_data(component: Component, start: Mapping[str, StartValue]) -> bytes:
-    """What a native FMU of a component carries of it, for one inside of another FMU."""
-    return component_bytes(component, start_values(component, start), NO_GUID)
 
 
 def build_fmu(
@@ -152,7 +132,7 @@ def _native_code(
     platforms: Sequence[str],
 ) -> dict[str, bytes]:
     """Libraries and sources of a native FMU, by their path in it; a library's folder names its platform."""
-    if not _has_kernel(component):
+    if not has_kernel(component):
         raise ComponentError(f"{component.kind} has no native kernel; export it as a PythonFMU")
     try:
         found = libraries(platforms, fmi) if platforms else _library_of_here(fmi)
@@ -171,7 +151,7 @@ def _native_code(
 
 def _library_of_here(fmi: FmiVersion) -> dict[str, bytes]:
     """By folder and suffix; nothing where the package was never installed."""
-    binary = library()
+    binary = native_library()
     if binary is None:
         return {}
     status = binary.stat()

@@ -5,7 +5,7 @@ Its calls are those of `components.Instance`, which computes the same in Python 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from ctypes import (
     CDLL,
     CFUNCTYPE,
@@ -28,17 +28,24 @@ from weakref import WeakKeyDictionary, finalize
 
 import numpy as np
 
+import components
 from components import Component, ComponentError, Instance
 from components.cache.disk import replace_file
 from components.cache.temporary import process_folder
 from components.contract.component import Vector
 from components.contract.instance import Value
 
-from .build import NO_GUID, component_data, native_backend
-from .native import library
+from .archive import digest_of
+from .description.variables import StartValue, start_values
+from .native import equations, native_library
+from .native.binary_data import component_bytes
+from .native.compile import ASSEMBLY
 
-_MODEL_EXCHANGE, _CO_SIMULATION = 0, 1
+NO_GUID = "{00000000-0000-0000-0000-000000000000}"
+MODEL_EXCHANGE, CO_SIMULATION = 0, 1
+"""Types of instances (fmi2Type)."""
 _WARNING = 1
+_DATA = "component.bin"
 _Log = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
 
 
@@ -56,8 +63,10 @@ class _Callbacks(Structure):
 
 _VALUES = (c_void_p, c_void_p, c_size_t, c_void_p)
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
+    "SetupExperiment": (c_void_p, c_int, c_double, c_double, c_int, c_double),
     "EnterInitializationMode": (c_void_p,),
     "ExitInitializationMode": (c_void_p,),
+    "Reset": (c_void_p,),
     "SetReal": _VALUES,
     "GetReal": _VALUES,
     "DoStep": (c_void_p, c_double, c_double, c_int),
@@ -65,11 +74,97 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "GetFMUstate": (c_void_p, c_void_p),
     "SetFMUstate": (c_void_p, c_void_p),
     "FreeFMUstate": (c_void_p, c_void_p),
+    "SerializedFMUstateSize": (c_void_p, c_void_p, c_void_p),
+    "SerializeFMUstate": (c_void_p, c_void_p, c_void_p, c_size_t),
+    "DeSerializeFMUstate": (c_void_p, c_char_p, c_size_t, c_void_p),
     "FreeInstance": (c_void_p,),
 }
-"""Arguments of functions of FMI 2.0."""
+"""Functions of FMI 2.0 that are called here, with their arguments."""
 _EVENT_INFO = 64
 """Bytes that are room for fmi2EventInfo."""
+
+
+def native_backend(component: Component) -> bool:
+    """Whether a component can be exported as a native FMU here: compiled at installation, and with a kernel."""
+    return native_library() is not None and has_kernel(component)
+
+
+def has_kernel(component: Component) -> bool:
+    """A kernel has the name of the component's file; kinds from outside have none, whatever data their bases give."""
+    if component.kind == ASSEMBLY:
+        return True
+    package, _, file = type(component).__module__.rpartition(".")
+    ours = package == components.__name__ and file in equations()
+    return ours and component.native_data() is not None
+
+
+def component_data(component: Component, start: Mapping[str, StartValue]) -> bytes:
+    """What a native FMU of a component carries of it, for one inside of another FMU."""
+    return component_bytes(component, start_values(component, start), NO_GUID)
+
+
+@cache
+def functions() -> CDLL:
+    """The compiled library with the types of arguments of its functions of FMI 2.0."""
+    found = CDLL(str(native_library()))
+    for name, arguments in _FUNCTIONS.items():
+        getattr(found, f"fmi2{name}").argtypes = arguments
+    found.fmi2Instantiate.argtypes = (c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int)
+    found.fmi2Instantiate.restype = c_void_p
+    return found
+
+
+_folders: WeakKeyDictionary[Component, Path] = WeakKeyDictionary()
+
+
+def _resources(component: Component) -> Path:
+    """A folder with the data of a component, which do not depend on the values of its parameters."""
+    if component not in _folders:
+        data = component_data(component, {})
+        folder = process_folder() / f"data-{sha256(data).hexdigest()}"
+        folder.mkdir(exist_ok=True)
+        replace_file(folder / _DATA, data)
+        _folders[component] = folder
+    return _folders[component]
+
+
+@cache
+def _library_digest() -> str:
+    """Of the compiled library."""
+    path = native_library()
+    assert path is not None
+    return sha256(path.read_bytes()).hexdigest()
+
+
+class InLibrary:
+    """An instance of a component in the compiled library; ComponentError where it cannot be.
+
+    kind: `MODEL_EXCHANGE` or `CO_SIMULATION`. log: receives what it has to say. library: the functions; handle: their
+    first argument, valid until `close`.
+    """
+
+    def __init__(self, component: Component, name: str, kind: int, log: Callable[[str], object]) -> None:
+        self.library, self._resources = functions(), _resources(component)
+        self._callbacks = _Callbacks(_Log(lambda *words: log(words[-1].decode("utf-8", "replace"))))
+        self.handle = c_void_p(
+            self.library.fmi2Instantiate(
+                name.encode(),
+                kind,
+                NO_GUID.encode(),
+                str(self._resources).encode(),
+                byref(self._callbacks),
+                0,
+                1,
+            )
+        )
+        if not self.handle:
+            raise ComponentError(f"{name}: the compiled library refuses it")
+        self.close = finalize(self, self.library.fmi2FreeInstance, self.handle)
+
+    def digest(self, values: Vector) -> str:
+        """SHA-256 of all that it computes with: the library, its data, and values of parameters and inputs."""
+        parts = {_DATA: self._resources.name, "start": values.tobytes().hex(), "library": _library_digest()}
+        return digest_of({name: text.encode() for name, text in parts.items()})
 
 
 def at_work(
@@ -108,22 +203,11 @@ class CompiledInstance:
         self._input = _range(first, count - first), place + first * self._values.itemsize
         self._output = _range(count, len(self._outputs)), self._outputs.ctypes.data
         self._said: list[str] = []
-        said = self._said
-        self._callbacks = _Callbacks(_Log(lambda *words: said.append(words[-1].decode("utf-8", "replace"))))
-        self._library = _library()
-        made = self._library.fmi2Instantiate(
-            component.kind.encode(),
-            _CO_SIMULATION if makes_steps else _MODEL_EXCHANGE,
-            NO_GUID.encode(),
-            str(_resources(component)).encode(),
-            byref(self._callbacks),
-            0,
-            1,
-        )
-        if not made:
-            raise self._refusal()
-        self._instance, self._state = c_void_p(made), c_void_p()
-        finalize(self, _free, self._library, self._instance, self._state)
+        kind = CO_SIMULATION if makes_steps else MODEL_EXCHANGE
+        self._instance = InLibrary(component, component.kind, kind, self._said.append)
+        self._state = c_void_p()
+        one = self._instance
+        finalize(self, one.library.fmi2FreeFMUstate, one.handle, byref(self._state))
 
     def set(self, name: str, value: Value) -> None:
         """Change an input."""
@@ -162,7 +246,7 @@ class CompiledInstance:
 
     def _call(self, name: str, *arguments: Any) -> None:  # noqa: ANN401 - of ctypes
         """A function of FMI; ComponentError with the kernel's words where it fails."""
-        if getattr(self._library, f"fmi2{name}")(self._instance, *arguments) > _WARNING:
+        if getattr(self._instance.library, f"fmi2{name}")(self._instance.handle, *arguments) > _WARNING:
             raise self._refusal()
 
     def _refusal(self) -> ComponentError:
@@ -177,33 +261,3 @@ _References = Array[c_uint32]
 def _range(first: int, count: int) -> _References:
     """Value references in a row."""
     return (c_uint32 * count)(*range(first, first + count))
-
-
-def _free(library: CDLL, instance: c_void_p, state: c_void_p) -> None:
-    library.fmi2FreeFMUstate(instance, byref(state))
-    library.fmi2FreeInstance(instance)
-
-
-@cache
-def _library() -> CDLL:
-    """The compiled library with the types of the functions that are called here."""
-    found = CDLL(str(library()))
-    for name, arguments in _FUNCTIONS.items():
-        getattr(found, f"fmi2{name}").argtypes = arguments
-    found.fmi2Instantiate.argtypes = (c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int)
-    found.fmi2Instantiate.restype = c_void_p
-    return found
-
-
-_folders: WeakKeyDictionary[Component, Path] = WeakKeyDictionary()
-
-
-def _resources(component: Component) -> Path:
-    """A folder with the data of a component, which do not depend on the values of its parameters."""
-    if component not in _folders:
-        data = component_data(component, {})
-        folder = process_folder() / f"data-{sha256(data).hexdigest()}"
-        folder.mkdir(exist_ok=True)
-        replace_file(folder / "component.bin", data)
-        _folders[component] = folder
-    return _folders[component]

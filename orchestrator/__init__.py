@@ -18,9 +18,9 @@ FMUs. Errors are `FanfoldError`, warnings `FanfoldWarning`. Names are imported a
 
 from __future__ import annotations
 
-from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from fmus.lazy_names import homes, importer
 
 if TYPE_CHECKING:
     from components import FanfoldError as FanfoldError
@@ -69,28 +69,12 @@ if TYPE_CHECKING:
     from .scene.builder import Scene as Scene
 
 
-def _homes() -> dict[str, str]:
-    """Module of each name: what type checkers read above."""
-    from ast import If, ImportFrom, parse
-
-    tree = parse(Path(__file__).read_text(encoding="utf-8"))
-    block = next(node for node in tree.body if isinstance(node, If))
-    imports = [node for node in block.body if isinstance(node, ImportFrom)]
-    return {
-        one.names[0].name: f"{__name__}.{one.module}" if one.level else str(one.module) for one in imports
-    }
-
-
-HOMES = _homes()
+HOMES = homes(__name__, __file__)
 __all__ = sorted(HOMES)
 
 
 if not TYPE_CHECKING:  # type checkers know the names above and no others
-
-    def __getattr__(name: str) -> Any:  # noqa: ANN401 - of whatever type it has where it is defined
-        if name not in HOMES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        return getattr(import_module(HOMES[name]), name)
+    __getattr__ = importer(__name__, HOMES)
 
 
 def __dir__() -> list[str]:

@@ -5,22 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from datetime import datetime
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from lxml.etree import Element, SubElement, _Element, indent, tostring
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from components import Component, ComponentError
 
+from .choices import NATIVE_TOOL, Backend
 from .model_exchange import add_model_exchange, state_units
 from .units import add_units
 from .variables import Variable, follows_inputs, scalars, starts_from_inputs
 
-Backend = Literal["native", "python"]
-FmiVersion = Literal["2.0", "3.0"]
-
-NATIVE_TOOL = "Fanfold"
-"""Generation tool of native FMUs, which keep no state outside of their instances."""
 _TOOLS: dict[Backend, str] = {"native": NATIVE_TOOL, "python": "Fanfold with PythonFMU"}
 _STATE_CAPABILITIES = {
     "canHandleVariableCommunicationStepSize": "true",

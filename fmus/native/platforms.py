@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from components.cache.disk import kept
 
-from ..description.fmi2 import FmiVersion
+from ..description.choices import FmiVersion
 from .compile import FLAGS, LINK_FLAGS, ZIG, CompileError, compile_library, sources
 
 

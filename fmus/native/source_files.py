@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from lxml.etree import Element, SubElement
 
-from ..description.fmi2 import FmiVersion, xml_bytes
+from ..description.choices import FmiVersion
+from ..description.fmi2 import xml_bytes
 from . import sources
 
 

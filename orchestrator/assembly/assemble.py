@@ -19,7 +19,7 @@ from ..scene.component_connections import WrenchMode, component_values
 from ..scene.locked_groups import PortSite, RigidGroup, joined_geometry, joined_model, rigid_groups
 from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
-from . import Assembly, Geometry, Link, Part
+from . import Assembly, Geometry, HingeLine, Link, Part, SignalFmu
 from .beams import beam_part
 from .driving import driving
 from .end_stops import stop_attachments, stop_parts
@@ -27,7 +27,6 @@ from .events import assembly_events
 from .fidelities import choose_fidelity
 from .hinges import assembly_lines, damper_part, hinge_parts, line_latch, loop_part
 from .second_order import with_second_order
-from .signal_fmus import signal_fmus
 from .start_values import with_port_starts
 
 
@@ -85,8 +84,18 @@ def assemble(
         driving=driving(scene, lines),
         geometry=geometry,
         events=assembly_events(scene, parts, hinge_lines),
-        signal_fmus=signal_fmus(scene, parts, hinge_lines),
+        signal_fmus=_signal_fmus(scene, parts, hinge_lines),
     )
+
+
+def _signal_fmus(
+    scene: PlacedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
+) -> tuple[SignalFmu, ...]:
+    if not scene.fmus:
+        return ()
+    from .signal_fmus import signal_fmus  # takes its time, which scenes without FMUs need not
+
+    return signal_fmus(scene, parts, lines)
 
 
 def _placed_parts(

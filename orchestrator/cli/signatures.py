@@ -41,7 +41,7 @@ class Parameter:
 
 def parameters_of(function: str, module: str | None = None) -> dict[str, Parameter]:
     """Parameters of a function by name; of a public one if no module is named."""
-    source = _Source.of(module or fanfold.HOMES[function])
+    source = _Source.of(module or fanfold.HOMES[function].module)
     node = source.functions[function]
     _, texts = documented(ast.get_docstring(node) or "")
     return {

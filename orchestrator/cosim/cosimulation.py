@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from components.contract.roles import HOLD
 
@@ -19,8 +20,10 @@ from .scheduled_events import ScheduledEvents
 from .settings import Settings
 from .signals.exchange import SignalExchange
 from .signals.joined import recorded
-from .signals.process import SignalProcess
 from .tables import coupling_tables, observed_place
+
+if TYPE_CHECKING:
+    from .signals.process import SignalProcess
 
 
 @dataclass(slots=True)

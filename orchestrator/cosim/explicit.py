@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from time import perf_counter
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -24,7 +24,9 @@ from .network import Network
 from .participant import ParticipantError
 from .rows import Recorder
 from .settings import TIME_ROUNDING, Settings
-from .signals.process import SignalProcess
+
+if TYPE_CHECKING:
+    from .signals.process import SignalProcess
 
 Order = Literal["jacobi", "gauss-seidel"]
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from fmpy.fmi2 import fmi2Error, fmi2Fatal, fmi2OK
-
 from fmus.host.child import RAW
 from fmus.host.process import FmuProcess, HostError
+
+from .participant import ERROR, FATAL, OK
 
 _REFERENCE, _NUMBER, _POINTER = 4, 8, sizeof(c_void_p)
 _PORT = 12 * 18
@@ -79,12 +79,12 @@ class IsolatedFmu:
 
         def call(_: object, *arguments: Any) -> int:  # noqa: ANN401
             if self.failure is not None and not isinstance(self.failure, HostError):
-                return int(fmi2Fatal)  # it was interrupted
+                return FATAL  # it was interrupted
             try:
                 return self._call(name, content(*arguments) if content else arguments)
             except BaseException as error:  # which would be lost on its way through C
                 self.failure = error
-                return int(fmi2Fatal)
+                return FATAL
 
         return CFUNCTYPE(c_int, c_void_p, *RAW[name])(call)
 
@@ -94,7 +94,7 @@ class IsolatedFmu:
         status, contents = self._process.request("raw", name, *given, doing=name)
         for one, content in zip(written, contents, strict=True):
             memmove(one.address, bytes(content), one.size)
-        return int(status) if status >= fmi2OK else int(fmi2Error)
+        return int(status) if status >= OK else ERROR
 
     @property
     def reason(self) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,9 +22,11 @@ from .coupling import Advance, Stop
 from .network import Network
 from .rows import Recorder
 from .settings import TIME_ROUNDING, Settings
-from .signals.process import SignalProcess
 from .snapshot import Snapshot
 from .step_plan import StepPlan
+
+if TYPE_CHECKING:
+    from .signals.process import SignalProcess
 
 _TO_CONVERGE = 1.0 / 1024.0
 """Share of the smallest step for accuracy, down to which a planned step is divided in order to converge."""

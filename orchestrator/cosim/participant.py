@@ -11,7 +11,6 @@ from ctypes import CFUNCTYPE, Structure, addressof, c_double, c_int, c_size_t, c
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
-from fmpy.fmi2 import fmi2Error, fmi2Fatal, fmi2OK
 
 from components import REGISTRY, Component, ComponentError, FanfoldError, Instance, Layout
 from fmus.native.records import structure
@@ -21,6 +20,8 @@ from ..assembly import Part
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 T = TypeVar("T")
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+"""What functions of FMI 2.0 return (fmi2Status)."""
 
 
 class ParticipantError(FanfoldError):
@@ -72,7 +73,7 @@ class Participant(Protocol):
         """Functions and memory for the compiled library; valid until `close`."""
 
     def failure(self, call: int, status: int, time: float, h: float) -> BaseException:
-        """What to raise when a call of the library failed, by its number in `fmu.FAILURES` and its FMI status."""
+        """What to raise when a call of the library failed, by its number in `FAILURES` and its FMI status."""
 
     def initialize(self, time: float) -> None:
         """Leave initialisation with the inputs as they are."""
@@ -161,16 +162,16 @@ class Callbacks:
     def _function(self, name: str, call: Callable[..., object]) -> Any:  # noqa: ANN401 - of ctypes
         def called(_: object, *arguments: Any) -> int:  # noqa: ANN401
             if self._is_over:
-                return int(fmi2Fatal)
+                return FATAL
             try:
                 call(*arguments)
             except ParticipantError as error:
                 self._failure = error
-                return int(fmi2Error)
+                return ERROR
             except BaseException as error:  # which would be lost on its way through C
                 self._failure, self._is_over = error, True
-                return int(fmi2Fatal)
-            return int(fmi2OK)
+                return FATAL
+            return OK
 
         return CFUNCTYPE(c_int, c_void_p, *_FUNCTIONS[name])(called)
 

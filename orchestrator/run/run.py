@@ -13,21 +13,21 @@ from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
-from components import REGISTRY, ComponentError, Layout
+import fmus
+from components import ComponentError, Layout
 from components.cache.temporary import process_folder
-from fmus import Backend, CompileError, Experiment, FmiVersion, build_fmu, cross_compiled
 from fmus.archive import content_digest
+from fmus.compiled import native_backend
 
 from ..assembly import Assembly, Part
 from ..assembly.second_order import second_order_modes
 from ..assembly.statics.start import static_start
+from ..cosim.compiled import CompiledParticipant
 from ..cosim.coupling import StepError
 from ..cosim.explicit import ExplicitMaster
-from ..cosim.fmu import FmuParticipant
+from ..cosim.fmi_participant import FmiParticipant
 from ..cosim.master import Master
 from ..cosim.network import Network, NetworkError
 from ..cosim.participant import Participant, ParticipantError
@@ -35,7 +35,6 @@ from ..cosim.ports import Order
 from ..cosim.rows import SCENE_CHANNELS, Recorder, recorded_layout
 from ..cosim.settings import Settings
 from ..cosim.signals.joined import recorded
-from ..cosim.signals.process import SignalProcess
 from ..cosim.snapshot import Snapshot
 from ..messages import message
 from ..results.earlier import SETTINGS
@@ -48,6 +47,11 @@ from .checkpoint import Checkpoint, checkpoint_file
 from .errors import InterruptedRunError
 from .errors import RunError as RunError
 from .free_space import FreeSpace
+
+if TYPE_CHECKING:
+    from fmus import Backend, Experiment, FmiVersion
+
+    from ..cosim.signals.process import SignalProcess
 
 MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
 Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
@@ -115,48 +119,80 @@ def export(
     try:
         for name in platforms:
             watch(name)
-            cross_compiled(name)
-    except CompileError as error:
+            fmus.cross_compiled(name)
+    except fmus.CompileError as error:
         raise RunError(f"{assembly.name}: {error}") from None
     directory.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for part in assembly.parts:
-        try:
-            component = REGISTRY[part.kind](**part.structure)
-            paths.append(
-                build_fmu(
-                    component,
-                    part.name,
-                    directory,
-                    part.start,
-                    backend,
-                    fmi,
-                    with_sources,
-                    experiment,
-                    compressed,
-                    platforms,
-                )
-            )
-        except ComponentError as error:
-            raise RunError(f"{assembly.name}: {part.name}: {error}") from None
-    return paths
+    return [
+        _exported(assembly, part, directory, backend, fmi, with_sources, experiment, compressed, platforms)
+        for part in assembly.parts
+    ]
+
+
+def _exported(
+    assembly: Assembly,
+    part: Part,
+    directory: Path,
+    backend: Backend | None,
+    fmi: FmiVersion = "2.0",
+    with_sources: bool = False,
+    experiment: Experiment | None = None,
+    compressed: bool = False,
+    platforms: Sequence[str] = (),
+) -> Path:
+    """The FMU of one part."""
+    try:
+        return fmus.build_fmu(
+            part.component(),
+            part.name,
+            directory,
+            part.start,
+            backend,
+            fmi,
+            with_sources,
+            experiment,
+            compressed,
+            platforms,
+        )
+    except ComponentError as error:
+        raise RunError(f"{assembly.name}: {part.name}: {error}") from None
 
 
 @contextmanager
 def as_fmus(
     assembly: Assembly, backend: Backend | None = None, *, isolate: bool = False
-) -> Iterator[Sequence[FmuParticipant]]:
-    """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens.
+) -> Iterator[Sequence[FmiParticipant]]:
+    """Every part of an assembly as an instance of its FMU; freed in the end, whatever happens.
 
-    isolate: each in a process of its own.
+    Instances of native FMUs are made in the compiled library, without files. isolate: each FMU in a process of its own.
     """
     with ExitStack() as stack:
-        folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
-        participants: list[FmuParticipant] = []
-        for path in export(assembly, folder, backend, compressed=False):
-            participants.append(FmuParticipant(path.stem, path, isolate=isolate))
-            stack.callback(participants[-1].close)
+        participants: list[FmiParticipant] = []
+        for part in assembly.parts:
+            here = not isolate and backend != "python" and native_backend(part.component())
+            one = _in_library(assembly, part) if here else _as_file(assembly, part, backend, isolate, stack)
+            stack.callback(one.close)
+            participants.append(one)
         yield participants
+
+
+def _in_library(assembly: Assembly, part: Part) -> FmiParticipant:
+    """An instance of a native FMU."""
+    try:
+        return CompiledParticipant(part)
+    except ComponentError as error:
+        raise RunError(f"{assembly.name}: {part.name}: {error}") from None
+
+
+def _as_file(
+    assembly: Assembly, part: Part, backend: Backend | None, isolate: bool, stack: ExitStack
+) -> FmiParticipant:
+    """An instance of an FMU that is exported, in a folder that lasts as long as the stack."""
+    from ..cosim.fmu import FmuParticipant  # takes its time, which native FMUs in this process need not
+
+    folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
+    path = _exported(assembly, part, folder, backend)
+    return FmuParticipant(path.stem, path, isolate=isolate)
 
 
 @contextmanager
@@ -166,7 +202,7 @@ def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Itera
     An assembly with other parts, or other start values that are given, has its FMUs made anew.
     """
     with ExitStack() as stack:
-        kept: list[FmuParticipant] = []
+        kept: list[FmiParticipant] = []
         made: Sequence[Part] = ()
 
         @contextmanager
@@ -188,20 +224,9 @@ def alike(parts: Sequence[Part], others: Sequence[Part]) -> bool:
     """Whether parts are the same but for the start values of what both are given."""
     return len(parts) == len(others) and all(
         (a.name, a.kind, a.start.keys()) == (b.name, b.kind, b.start.keys())
-        and _equal(a.structure, b.structure)
+        and a.component() is b.component()
         for a, b in zip(parts, others, strict=True)
     )
-
-
-def _equal(one: object, other: object) -> bool:
-    """Of structures: tables and lists of arrays, numbers and texts."""
-    if one is other:
-        return True
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return one.keys() == other.keys() and all(_equal(one[key], other[key]) for key in one)
-    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
-        return len(one) == len(other) and all(map(_equal, one, other))
-    return type(one) is type(other) and np.array_equal(np.asarray(one), np.asarray(other))
 
 
 def run(
@@ -336,6 +361,12 @@ def _signal_processes(
     assembly: Assembly, tolerance: float, stack: ExitStack, warn: Callable[[str], None]
 ) -> list[SignalProcess]:
     """A process for each FMU with signals; RunError if one cannot be started. Their warnings are issued at its end."""
+    if not assembly.signal_fmus:
+        return []
+    from ..cosim.signals.process import (
+        SignalProcess,  # takes its time, which scenes without such FMUs need not
+    )
+
     try:
         found = [stack.enter_context(SignalProcess(fmu, tolerance)) for fmu in assembly.signal_fmus]
     except ParticipantError as error:
@@ -406,8 +437,8 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
     }
     found.update(_versions())
     for participant in participants:
-        if isinstance(participant, FmuParticipant):
-            found[f"fmu.{participant.name}"] = content_digest(participant.path)
+        if isinstance(participant, FmiParticipant):
+            found[f"fmu.{participant.name}"] = participant.digest
     found.update({f"fmu.{fmu.name}": content_digest(fmu.path) for fmu in assembly.signal_fmus})
     return found
 

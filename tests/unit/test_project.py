@@ -108,7 +108,7 @@ AGAINST_THE_ARROWS = {
     ),
     "rooms of FMUs": (
         "fmus/description/units.py",
-        "from ..native import library",
+        "from ..native import native_library",
         "fmus.description.units -> fmus.native",
     ),
     "rooms of the orchestrator": (

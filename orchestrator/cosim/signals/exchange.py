@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...assembly import Event
 from ..participant import Participant, Vector
 from .joined import JoinedFmu, Participants, recorded
-from .process import SignalProcess
+
+if TYPE_CHECKING:
+    from .process import SignalProcess
 
 _REACHED = 1e-9  # s, what sums of step sizes may leave
 

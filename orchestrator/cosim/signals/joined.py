@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from components import Quantity
 
 from ...assembly import Signal, SignalFmu
 from ..participant import Participant, ParticipantError, Vector, first_observations
-from .process import SignalProcess
+
+if TYPE_CHECKING:
+    from .process import SignalProcess
 
 Target = tuple[str, str]
 """Name of a participant, and of a parameter of it."""

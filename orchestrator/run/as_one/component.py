@@ -19,7 +19,7 @@ from components.contract.roles import (
     RELEASE_COMMAND,
 )
 from components.end_stop import OF_HINGE
-from fmus.build import component_data
+from fmus.compiled import component_data
 from fmus.native.compile import ASSEMBLY
 
 from ...assembly import Assembly, HingeLine
