@@ -43,7 +43,7 @@ def test_a_compiled_fmu_equals_the_binary(tmp_path, monkeypatch):
         fmi: simulate_fmu(str(with_sources("body", tmp_path / f"whole{fmi}", fmi)), stop_time=0.05)
         for fmi in PLATFORMS
     }
-    monkeypatch.setattr(fmus.build, "library", lambda: None)
+    monkeypatch.setattr(fmus.build, "native_library", lambda: None)
     carried, folders = [], {}
     for fmi in PLATFORMS:
         path, folders[fmi] = (

@@ -15,9 +15,9 @@ from orchestrator.assembly.statics.configuration import configuration
 from orchestrator.assembly.statics.linear_model import linearise, normal_modes
 from orchestrator.assembly.statics.mechanism import Mechanism
 from orchestrator.assembly.statics.placed_body import PlacedBody
-from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import Participant
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene
@@ -80,7 +80,6 @@ def swing(wing: Assembly, number: int, periods: float, settings: Settings) -> tu
         for body in network.bodies:
             rows, placed = mechanism.rows[body.name], mechanism.bodies[body.name]
             if placed.body is not None:
-                assert isinstance(body, FmuParticipant)
                 _set_moving(body, placed, model.mass[rows, rows], rates[rows])
             body.read()
         network.carry_motion()
@@ -89,9 +88,10 @@ def swing(wing: Assembly, number: int, periods: float, settings: Settings) -> tu
     return record, period
 
 
-def _set_moving(body: FmuParticipant, placed: PlacedBody, mass: Vector, rates: Vector) -> None:
+def _set_moving(body: Participant, placed: PlacedBody, mass: Vector, rates: Vector) -> None:
     """Momenta and angular velocity of an undeformed body from the rates of its coordinates."""
-    state = bytearray(body._fmu.serializeFMUstate(body._fmu.getFMUstate()))
+    body.save()
+    state = bytearray(body.serialized())
     # a serialised state ends with the states; how many there are is the fifth of the numbers behind its owner
     size = int(np.frombuffer(state, dtype=float, count=1, offset=16 + 4 * 8)[0])
     x = np.frombuffer(state, dtype=float, count=size, offset=len(state) - 8 * size)
@@ -102,5 +102,4 @@ def _set_moving(body: FmuParticipant, placed: PlacedBody, mass: Vector, rates: V
     for byte in state[:80] + state[88:]:
         sum_of_all = (sum_of_all ^ byte) * 1099511628211 % 2**64
     state[80:88] = sum_of_all.to_bytes(8, "little")
-    body._fmu.setFMUstate(body._fmu.deSerializeFMUstate(bytes(state)))
-    body.save()
+    body.deserialize(bytes(state))
