@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, replace
 from math import log10
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from ..assembly.statics.configuration import configuration
 from ..records import short_repr
@@ -89,7 +89,7 @@ def tune_wing(
                 "other lines as well"
             ]
         )
-    exponent = brentq(
+    exponent = scipy.optimize.brentq(
         lambda e: of_rigid(given * 10.0**e) - wanted, log10(_SOFTEST), log10(_STIFFEST), xtol=_ACCURACY
     )
     stiffness = float(given * 10.0**exponent)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from bisect import bisect_left
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from components.contract.component import Vector
 from components.contract.roles import LATCH_COMMAND
@@ -80,7 +80,9 @@ def growth(model: LinearModel, h: float) -> float:
 def _of_bodies(model: LinearModel) -> tuple[Vector, Vector]:
     """Damping and stiffness (n, n) of the bodies' own modes."""
     own = [body.modal_matrices() for body in model.mechanism.bodies.values()]
-    return block_diag(*(damping for damping, _ in own)), block_diag(*(stiffness for _, stiffness in own))
+    return scipy.linalg.block_diag(*(damping for damping, _ in own)), scipy.linalg.block_diag(
+        *(stiffness for _, stiffness in own)
+    )
 
 
 def _bodies_step(model: LinearModel, h: float) -> tuple[Vector, Vector]:

@@ -62,9 +62,11 @@ _DISTRIBUTIONS = "distributions"
 
 
 def _list_names() -> None:
+    from ..scene.builder import Scene
+
     for name in fanfold.scenes():
         click.echo(name)
-        for variant in fanfold.load(name).variants:
+        for variant in Scene.read(name).variants:
             click.echo(f"{name} --variant {variant}")
 
 
@@ -99,11 +101,12 @@ def _print_table(table: KeyTable) -> None:
 def _list_all() -> None:
     from components import REGISTRY
 
+    from ..scene.builder import Scene
     from .tables import table_of, terminal
 
     rows = []
     for name in fanfold.scenes():
-        scene = fanfold.load(name)
+        scene = Scene.read(name)
         description = scene.tree["scene"].get("description", "")
         rows.append((name, description, ", ".join(scene.bodies), ", ".join(scene.variants)))
     kinds = [

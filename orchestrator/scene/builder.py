@@ -67,12 +67,17 @@ class Scene:
 
         trust: its plugins may run, now and until they change.
         """
-        found = cls.__new__(cls)
-        found._begin(read_layers(find_scene(str(scene)), find_scene))
-        found = found.with_variants(*listed(variants)).with_settings(settings)
+        found = cls.read(scene).with_variants(*listed(variants)).with_settings(settings)
         if trust:
             trust_programs(plugin_files({**found.tree, "variant": found._layers.variants}))
         found.check()
+        return found
+
+    @classmethod
+    def read(cls, scene: str | Path) -> Self:
+        """Read the tables of a built-in scene or a scene file, which are not checked."""
+        found = cls.__new__(cls)
+        found._begin(read_layers(find_scene(str(scene)), find_scene))
         return found
 
     @classmethod

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from components import FanfoldError
 from components.contract.roles import HINGE_LOAD
@@ -229,7 +229,7 @@ def _angular_rate(time: Vector, quaternions: Vector) -> tuple[Vector, Vector]:
     """Middles of the steps and mean angular velocities (N - 1, 3), world axes; quaternions with the scalar first."""
     h = np.diff(time)
     steps = h > EVENT_WIDTH
-    attitude = Rotation.from_quat(quaternions, scalar_first=True)
+    attitude = scipy.spatial.transform.Rotation.from_quat(quaternions, scalar_first=True)
     turns = (attitude[1:] * attitude[:-1].inv()).as_rotvec()[steps]
     return time[:-1][steps] + 0.5 * h[steps], turns / h[steps, None]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from components import FanfoldError
 from components.contract.component import Vector
@@ -271,7 +271,7 @@ def tune(
             )
         with suppress(_ReachedError):
             # "trf" shortens steps of ill-conditioned targets, though their ends are far: twice the runs of AMOS-3
-            least_squares(
+            scipy.optimize.least_squares(
                 search.residual,
                 start,
                 search.jacobian,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from components.contract.component import Vector
 from components.contract.frames import Vector3, skew
@@ -21,7 +21,9 @@ def acceleration_field(result: Result, body: str, data: ModalData, gravity: Vect
     that of the undeformed body, an error of second order in the deformation.
     """
     time = result.time
-    attitude = Rotation.from_quat(result.signal(body, "frame_orientation"), scalar_first=True)
+    attitude = scipy.spatial.transform.Rotation.from_quat(
+        result.signal(body, "frame_orientation"), scalar_first=True
+    )
     momentum = result.signal(body, "linear_momentum")
     center = result.signal(body, "frame_position") + attitude.apply(data.center_of_mass)
     spin = result.signal(body, "angular_momentum") - np.cross(center, momentum)

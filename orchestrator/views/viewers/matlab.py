@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import savemat
+import scipy
 
 from ...assembly import Geometry
 from ...results.result import Result, ResultError
@@ -53,7 +53,9 @@ def write_mat(path: Path, found: Chosen) -> None:
         "run": _run(result),
     }
     with whole(path) as part:
-        savemat(part, content, appendmat=False, long_field_names=True, do_compression=True, oned_as="column")
+        scipy.io.savemat(
+            part, content, appendmat=False, long_field_names=True, do_compression=True, oned_as="column"
+        )
 
 
 def valid_names(names: Iterable[str]) -> dict[str, str]:
