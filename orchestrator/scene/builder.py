@@ -105,7 +105,7 @@ class Scene:
     @property
     def tree(self) -> Tree:
         """Tables as in a scene file, with variants and settings applied; a copy."""
-        return deepcopy(self._layers.over(self._variants, self._settings)[0])
+        return self._layers.over(self._variants, self._settings)[0]
 
     @property
     def variants(self) -> tuple[str, ...]:
@@ -258,9 +258,8 @@ class Scene:
     def check(self) -> PlacedScene:
         """Checked records of the scene; SceneError with every problem of it."""
         if self._checked is None:
-            layers = deepcopy(self._layers)  # what is added later must not get into the records
             self._checked = check_layers(
-                layers, self._variants, self._settings, sorted(self._accepted), self._of_result
+                self._layers, self._variants, self._settings, sorted(self._accepted), self._of_result
             )
             # processes that get the scene load what this one has loaded
             self._accepted |= {str(path) for path in loaded_plugins()}

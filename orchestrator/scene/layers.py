@@ -52,7 +52,7 @@ class Layers:
     added: frozenset[str]
 
     def over(self, variants: Sequence[str], settings: Sequence[Setting] = ()) -> tuple[Tree, frozenset[str]]:
-        """The tree with variants and settings laid over it in order, and the keys of added entries.
+        """A new tree with variants and settings laid over it in order, and the keys of added entries.
 
         SceneError where a variant does not exist or a layer cannot be merged.
         """
@@ -62,11 +62,11 @@ class Layers:
             raise SceneError(
                 [f"{self.file}: there is no variant {name!r}; variants are {every}" for name in unknown]
             )
-        tree, names = self.tree, _Names(set(self.added), {})
+        tree, names = deepcopy(self.tree), _Names(set(self.added), {})
         for name in variants:
-            tree = _merged_layer(f"{self.file}: variant.{name}.", tree, self.variants[name], names)
+            _lay_over(f"{self.file}: variant.{name}.", tree, self.variants[name], names)
         for setting in settings:
-            tree = _merged_layer(f"{self.file}: ", tree, _setting(self.file, setting, tree), names)
+            _lay_over(f"{self.file}: ", tree, _setting(self.file, setting, tree), names)
         return tree, frozenset(names.added)
 
 
@@ -85,10 +85,10 @@ def read_layers(path: Path, find: Callable[[str], Path]) -> Layers:
     return Layers(path.name, tree, variants, frozenset(names.added))
 
 
-def _merged_layer(place: str, below: Tree, above: Tree, names: _Names) -> Tree:
+def _lay_over(place: str, tree: Tree, above: Tree, names: _Names) -> None:
     """A merge whose problems say where the layer is from."""
     try:
-        return merged(below, above, names)
+        _lay(tree, above, names)
     except SceneError as error:
         raise SceneError([place + problem for problem in error.problems]) from None
 
@@ -109,7 +109,8 @@ def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, 
     beside = path.parent / name
     below = beside if is_regular(beside) else find(name)
     under = _with_extended(below, find, (*within, place), names)
-    return _merged_layer(f"{path.name}: ", under, tree, names)
+    _lay_over(f"{path.name}: ", under, tree, names)
+    return under
 
 
 def _read(path: Path) -> Tree:
@@ -188,21 +189,25 @@ def _named_by(table: Any, keys: Iterable[str]) -> Iterator[tuple[Any, Any]]:  # 
             yield table, key
 
 
-def merged(below: Tree, above: Tree, names: _Names | None = None, within: str = "") -> Tree:
-    """A new tree: `above` laid over `below`; names: takes up entries that `above` adds to arrays or removes."""
-    names = names or _Names(set(), {})
+def merged(below: Tree, above: Tree) -> Tree:
+    """A new tree: `above` laid over `below`."""
     tree = deepcopy(below)
+    _lay(tree, above, _Names(set(), {}))
+    return tree
+
+
+def _lay(tree: Tree, above: Tree, names: _Names, within: str = "") -> None:
+    """Lay `above` over a tree in place; names: takes up entries that `above` adds to arrays or removes."""
     for key in _replaced(within, above):
         tree.pop(key, None)
     for key, value in above.items():
         old, place = tree.get(key), f"{within}{key}"
         if isinstance(old, dict) and isinstance(value, dict):
-            tree[key] = merged(old, value, names, f"{place}.")
+            _lay(old, value, names, f"{place}.")
         elif value and _is_named(old) and _is_named(value):
             tree[key] = _merged_entries(place, old, value, names)
         else:
             tree[key] = deepcopy(value)
-    return tree
 
 
 def _replaced(within: str, above: Tree) -> Iterator[str]:
@@ -239,7 +244,7 @@ def _merged_entries(key: str, below: Any, above: Any, names: _Names) -> list[Tre
                         [f"{place}: an earlier variant removed it; these variants do not combine"]
                     )
                 names.added.add(place)
-            entries[name] = merged(entries.get(name, {}), entry, names, f"{key}.{name}.")
+            _lay(entries.setdefault(name, {}), entry, names, f"{key}.{name}.")
         elif name in entries:
             names.removed[f"{key}.{name}"] = entries.pop(name)
         else:

@@ -15,7 +15,7 @@ from ...results.earlier import unlike
 from ...run.simulation import Options
 from ...scene.builder import Scene
 from ...scene.digests import digests
-from ...scene.layers import data_files
+from ...scene.layers import Tree, data_files
 from ...scene.plugins.trust import trust_data
 from .distributions import StudyError
 from .journal import Asked, Journal
@@ -51,7 +51,7 @@ def begin(
     _refuse_overruled(task, plan)
     asked = asked_of(task, plan)
     nominal = [one.distribution.nominal for one in plan.varied]
-    task.scene.with_settings(_settings(task, plan, nominal)).check_one_run()
+    task.scene.with_settings(_settings(task.scene.tree, plan, nominal)).check_one_run()
     if output is None:
         return _carried_out(task, asked, [], None, workers, cluster, progress)
     if output.exists():
@@ -142,12 +142,12 @@ def _saved(output: Path, journal: Journal, study: Study) -> Study:
 
 def _jobs(task: Task, plan: Plan) -> list[Job]:
     """Every sample with its settings; StudyError where the scene has nothing to multiply."""
-    return [(index, _settings(task, plan, row)) for index, row in enumerate(plan.samples().tolist())]
-
-
-def _settings(task: Task, plan: Plan, values: Sequence[float]) -> Settings:
-    """What drawn values mean; keys that vary together are one."""
     tree = task.scene.tree
+    return [(index, _settings(tree, plan, row)) for index, row in enumerate(plan.samples().tolist())]
+
+
+def _settings(tree: Tree, plan: Plan, values: Sequence[float]) -> Settings:
+    """What drawn values mean in a scene's tree; keys that vary together are one."""
     settings: Settings = {}
     for one, value in zip(plan.varied, values, strict=True):
         settings |= one.settings(tree, value)
