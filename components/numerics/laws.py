@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..contract.component import ComponentError
+from .monotone_cubic import monotone_cubics
 from .scheme import LEAST_CHANGE
 
 
@@ -116,20 +117,19 @@ class Table:
             raise ComponentError("a table needs at least two points and as many values as coordinates")
         if not np.all(np.diff(s) > 0.0):
             raise ComponentError(f"the coordinates of a table must increase; they are {s.tolist()}")
-        from scipy.interpolate import PchipInterpolator, PPoly  # takes its time, which most need not
-
-        curve = PchipInterpolator(s, f)
-        slopes = (curve.derivative()(s[0]), curve.derivative()(s[-1]))
-        pieces = np.zeros((4, s.size + 1))
-        pieces[:, 1:-1] = curve.c
-        span = s[-1] - s[0]
-        pieces[2:, 0] = slopes[0], f[0] - slopes[0] * span
-        pieces[2:, -1] = slopes[1], f[-1]
-        extended = PPoly(pieces, np.concatenate([[s[0] - span], s, [s[-1] + span]]), extrapolate=True)
-        energy = extended.antiderivative()
-        self._breaks = [float(v) for v in extended.x]
-        self._force = [tuple(float(v) for v in column) for column in extended.c.T]
-        self._potential = [tuple(float(-v) for v in column) for column in energy.c.T]
+        own, span = monotone_cubics(s, f), float(s[-1] - s[0])
+        width = float(s[-1] - s[-2])
+        first, last = own[2, 0], (3.0 * own[0, -1] * width + 2.0 * own[1, -1]) * width + own[2, -1]
+        below, above = (0.0, 0.0, first, f[0] - first * span), (0.0, 0.0, last, f[-1])
+        pieces = [below, *own.T.tolist(), above]
+        self._breaks = [float(s[0]) - span, *s.tolist(), float(s[-1]) + span]
+        self._force = [(float(a), float(b), float(c), float(d)) for a, b, c, d in pieces]
+        self._potential: list[tuple[float, float, float, float, float]] = []
+        energy = 0.0
+        for (a, b, c, d), width in zip(self._force, np.diff(self._breaks).tolist(), strict=True):
+            piece = (-a / 4.0, -b / 3.0, -c / 2.0, -d, energy)
+            self._potential.append(piece)
+            energy = float(np.polyval(piece, width))
 
     def native_data(self, name: str) -> dict[str, ArrayLike]:
         """What a native kernel reads: breaks, and per piece the coefficients of force and potential."""

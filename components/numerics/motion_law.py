@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..contract.component import ComponentError
 from ..contract.errors import unknown
+from .monotone_cubic import monotone_cubics
 from .scheme import NEVER
 
 DEGREE = 5
@@ -269,10 +270,8 @@ def _polyline(times: Sequence[float], values: Sequence[float]) -> _Term:
 def _table(times: Sequence[float], values: Sequence[float]) -> _Term:
     """Monotone cubics through points, constant outside."""
     _check_points(times, values)
-    from scipy.interpolate import PchipInterpolator  # takes its time, which most laws need not
-
-    cubics = PchipInterpolator(times, values)
-    own = [Polynomial(c[::-1])(Polynomial([-t, 1.0])) for c, t in zip(cubics.c.T, times, strict=False)]
+    cubics = monotone_cubics(np.array(times, dtype=float), np.array(values, dtype=float))
+    own = [Polynomial(c[::-1])(Polynomial([-t, 1.0])) for c, t in zip(cubics.T, times, strict=False)]
     return _Term(tuple(times), (Polynomial([values[0]]), *own, Polynomial([values[-1]])))
 
 

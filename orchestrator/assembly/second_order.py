@@ -8,7 +8,6 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from components.contract.component import ComponentError, Vector
 from components.contract.frames import Vector3
@@ -22,6 +21,7 @@ from ..scene.loops.coupled_lines import strands
 from ..scene.placed_scene import PlacedScene
 from ..scene.table import SceneError
 from . import Part
+from .dense import generalized_modes, null_space
 from .driving import load_laws
 
 FELT = 0.01
@@ -197,15 +197,16 @@ def held_frequency(data: ModalData, joints: Sequence[Sequence[str]]) -> float:
     A spin is slow or fast relative to it: clamped at an end a beam vibrates six times slower than free.
     """
     found, count = np.inf, data.frequency.size
-    mass = scipy.linalg.block_diag(data.mass * np.eye(3), data.inertia, np.eye(count))
+    mass = np.eye(6 + count)
+    mass[:3, :3], mass[3:6, 3:6] = data.mass * np.eye(3), data.inertia
     stiffness = np.diag(np.concatenate((np.zeros(6), data.frequency**2)))
     for joint in joints if count else ():
         places = [data.point_names.index(point) for point in joint]
         rigid = np.vstack([rigid_motion(data.point_positions[at] - data.center_of_mass) for at in places])
         modal = np.vstack([part[at] for at in places for part in (data.translation, data.rotation)])
-        free = scipy.linalg.null_space(np.hstack((rigid, modal)))
+        free = null_space(np.hstack((rigid, modal)))
         if free.size:
-            lowest = scipy.linalg.eigh(free.T @ stiffness @ free, free.T @ mass @ free, eigvals_only=True)[0]
+            lowest = generalized_modes(free.T @ stiffness @ free, free.T @ mass @ free)[0][0]
             found = min(found, float(np.sqrt(max(lowest, 0.0))))
     return float(found)
 

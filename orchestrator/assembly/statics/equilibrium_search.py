@@ -10,12 +10,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from components import ComponentError
 from components.contract.component import Vector
 
 from ...scene.table import SceneError
+from ..dense import null_space
 from . import ZERO_FREQUENCY
 from .linear_model import LinearModel, Rows, normal_modes
 from .mechanism import Mechanism
@@ -86,7 +86,7 @@ class _Tangent(NamedTuple):
         """Shapes (n, k) of free motions that nothing drives: all across the one that forces would start."""
         if not self.is_driven:
             return self.free
-        found: Vector = self.free @ scipy.linalg.null_space((self.free.T @ self.forces)[None])
+        found: Vector = self.free @ null_space((self.free.T @ self.forces)[None])
         return found
 
     def step(self, size: float, without: Vector) -> Vector:
@@ -96,7 +96,7 @@ class _Tangent(NamedTuple):
         found = np.zeros(len(model.mass))
         if without.size:
             kept = np.zeros((len(found), len(rows) - without.shape[1]))
-            kept[rows] = scipy.linalg.null_space((model.mass @ without)[rows].T)
+            kept[rows] = null_space((model.mass @ without)[rows].T)
             found = kept @ np.linalg.lstsq(kept.T @ matrix @ kept, kept.T @ self.forces)[0]
         else:
             found[rows] = np.linalg.solve(matrix[np.ix_(rows, rows)], self.forces[rows])
@@ -250,7 +250,7 @@ def _tangent(mechanism: Mechanism, *, at_start: bool) -> _Tangent:
             rows = model.free_rows
         else:
             factor = np.linalg.cholesky(whole.T @ mass @ whole)
-            rigid = scipy.linalg.solve_triangular(factor, whole.T, lower=True).T
+            rigid = np.linalg.solve(factor, whole.T).T
     return _Tangent(model, rows, rigid, _free_motions(model, rows))
 
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from components.contract.component import Vector
 
 from ...scene.table import SceneError
+from ..dense import generalized_modes, null_space
 from . import ZERO_FREQUENCY
 from .mechanism import Mechanism
 
@@ -150,7 +150,7 @@ def normal_modes(model: LinearModel, constraints: Vector | None = None) -> Norma
     rows = model.free_rows
     basis = np.eye(len(model.mass))[:, rows]
     if constraints is not None:
-        basis = basis @ scipy.linalg.null_space(constraints[:, rows])
+        basis = basis @ null_space(constraints[:, rows])
     if not basis.shape[1]:
         raise SceneError(["nothing is free to move, so there are no modes"])
     mass = basis.T @ model.mass @ basis
@@ -158,9 +158,9 @@ def normal_modes(model: LinearModel, constraints: Vector | None = None) -> Norma
     shift = _SHIFT
     while True:
         try:
-            inverse, vectors = scipy.linalg.eigh(mass, stiffness + shift * mass)
+            inverse, vectors = generalized_modes(mass, stiffness + shift * mass)
             break
-        except scipy.linalg.LinAlgError:
+        except np.linalg.LinAlgError:
             shift *= 100.0
             if shift > _LARGEST_SHIFT:
                 raise SceneError(["the stiffness has no modes: check springs with negative rates"]) from None
@@ -182,7 +182,7 @@ def spinning_modes(model: LinearModel) -> NormalModes:
     first = np.block(
         [[np.zeros((count, count)), np.diag(rates)], [-np.diag(still.eigenvalues / rates), -gyroscopic]]
     )
-    roots, vectors = scipy.linalg.eig(first)
+    roots, vectors = np.linalg.eig(first)
     # of conjugate pairs and of growth and decay, one each
     chosen = np.lexsort((-roots.real, -roots.imag))[:count]
     roots, vectors = roots[chosen], vectors[:count, chosen] / rates[:, None]
