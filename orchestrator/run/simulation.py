@@ -158,18 +158,17 @@ def simulate(
     estimate: bool = True,
     progress: Progress = silent,
     warn: Warn = lambda sentence: None,
+    checks: bool = True,
     start: Checkpoint | None = None,
     fmus: Loader | None = None,
 ) -> Simulation:
     """Run a scene into a file or, without one, into memory; RunError or SceneError where that cannot be.
 
     estimate: find the errors of headline numbers by a coarser run, at half the cost. warn: called with every warning.
+    checks: whether the scene before the run and the result after it are searched for what to warn of.
     start: the checkpoint to go on from. fmus: a loader of `kept_fmus` to share between runs, by default one of its own.
     """
-    if options.checkpoint is not None and output is None:
-        raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")
-    if output is not None:
-        refuse_to_replace(output)
+    _refuse_output(options, output)
     messages: list[str] = []
 
     def tell(sentence: str) -> None:
@@ -178,7 +177,7 @@ def simulate(
             warn(sentence)
 
     assembly = options.assemble(scene)
-    for sentence in (*_missing_parts(options), *_before(scene, options, assembly)):
+    for sentence in (*_missing_parts(options), *_before(scene, options, assembly)) if checks else ():
         tell(sentence)
     at_rest = static_start(assembly)
     for sentence in coded("W-preload", let_go_at_start(at_rest)):
@@ -202,7 +201,7 @@ def simulate(
                 note=tell,
                 load=load,
             )
-    for sentence in _after(scene, options, assembly, outcome):
+    for sentence in _after(scene, options, assembly, outcome) if checks else ():
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
     outcome = replace(outcome, result=with_messages(kept, messages))
@@ -210,6 +209,14 @@ def simulate(
         warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(resting, settings, end, load_again, outcome)
+
+
+def _refuse_output(options: Options, output: Path | None) -> None:
+    """RunError or ResultError where the result cannot be in this file, or in memory for None."""
+    if output is not None:
+        refuse_to_replace(output)
+    elif options.checkpoint is not None:
+        raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")
 
 
 def _missing_parts(options: Options) -> Iterator[str]:

@@ -189,7 +189,8 @@ def _iterated(mechanism: Mechanism, tangent: _Tangent, *, at_start: bool) -> boo
         turned = float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0))
         if (not at_start and turned > _FARTHEST) or (size >= _LONGEST and after.is_driven):
             return False
-        alike = step.way < _ALIKE and abs(step.work) < _FALLING * before < np.inf
+        falling = abs(step.work) < _FALLING * before < np.inf
+        alike = step.way < _TOLERANCE or (step.way < _ALIKE and falling)
         before, way, tangent = abs(step.work), step.way, after
         size = size * _LONGER if size < _LONGEST else np.inf
     return False
