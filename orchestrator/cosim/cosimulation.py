@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from components.contract.roles import HOLD
@@ -69,6 +70,8 @@ class CoSimulation(ABC):
         self.coupling = Coupling(network, tables, recorder)
         bodies = [body.name for body in network.bodies]
         self._signals = SignalExchange(signals, network.participants, self.coupling.observations, bodies)
+        # no method of this object, whose rows would then stay in memory until a search for cycles
+        self._distance = partial(_distance, self.coupling, self._numbers)
         self._scheduled = ScheduledEvents(events, network.participants, self._distance)
 
     @property
@@ -187,12 +190,13 @@ class CoSimulation(ABC):
         """The quantity of a condition, as last observed."""
         return self.coupling.observations.item(observed_place(self.network.participants, condition))
 
-    def _distance(self, one: HingeLine | Event) -> float:
-        """Distance of a line from its latch, or of a condition from being met; it falls through zero."""
-        return self.coupling.distance(self._numbers[one.name])
-
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
         """Set a discrete input of all participants that have it, or of the named ones."""
         for participant in self.network.participants:
             if name in participant.input_layout and (names is None or participant.name in names):
                 participant.inputs[participant.input_layout[name]] = value
+
+
+def _distance(coupling: Coupling, numbers: Mapping[str, int], one: HingeLine | Event) -> float:
+    """Distance of a line from its latch, or of a condition from being met; it falls through zero."""
+    return coupling.distance(numbers[one.name])

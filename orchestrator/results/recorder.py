@@ -102,8 +102,11 @@ class MemoryRecorder:
 
     def result(self) -> Result:
         """What was recorded up to now."""
-        count = len(self._times)
-        rows = np.concatenate([*self._blocks, np.zeros((0, self._width))])[:count]
+        whole = np.empty((len(self._blocks) * _ROWS, self._width))
+        for k, block in enumerate(self._blocks):
+            own = whole[k * _ROWS : (k + 1) * _ROWS]
+            own[:], self._blocks[k] = block, own  # frees the block, so that nothing is in memory twice
+        rows = whole[: len(self._times)]
         signals: dict[tuple[str, str], Vector] = {}
         catalogue: dict[str, dict[str, Meaning]] = {}
         place = 0
