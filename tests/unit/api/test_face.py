@@ -15,8 +15,9 @@ import components
 import fmus
 import orchestrator as fanfold
 from orchestrator.cli.main import main
+from tests.references.native_fmus import needs_native
 
-HEAVY = ("numpy", "scipy", "h5py", "pydantic", "matplotlib", "rich", "fmpy", "skfem", "components", "fmus")
+HEAVY = ("numpy", "scipy", "h5py", "pydantic", "matplotlib", "rich", "fmpy", "skfem", "components")
 BUILD_HOOK = "CompileError"
 """Raised before anything is installed, where nothing of the project can be imported."""
 
@@ -40,6 +41,20 @@ def test_help_is_light(arguments):
     shown = subprocess.check_output([sys.executable, "-c", code], text=True)
     assert shown.startswith("Usage:")
     assert shown.endswith("\nset()\n")
+
+
+@needs_native
+def test_a_run_of_native_fmus_needs_none_of_what_reads_files_and_reduces_bodies():
+    """Rule: AMOS-3, with its search for equilibrium and its tables, runs without SciPy's submodules, FMPy and lxml.
+
+    From its second run on, as the first one reduces bodies.
+    """
+    fanfold.simulate("amos3", rigid="all", until=0.01, estimate=False)
+    code = (
+        "import sys, orchestrator as fanfold; fanfold.simulate('amos3', rigid='all', until=0.1, estimate=False); "
+        "print({'scipy.linalg', 'scipy.sparse', 'scipy.interpolate', 'skfem', 'fmpy', 'lxml'} & {*sys.modules})"
+    )
+    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "set()\n"
 
 
 def fastest(code, *, tries=5):
