@@ -29,7 +29,7 @@ _DRIVEN = 1e-9
 """Of the largest force out of balance, that drives no free motion."""
 _TOLERANCE = 1e-9
 """m and rad that the last iteration may move a port"""
-_ALIKE, _FALLING = 1e-6, 1e-4
+_ALIKE, _FALLING = 1e-4, 1e-2
 """m and rad of an iteration that leaves the stiffness as it is, if the work fell to so much of the one before"""
 _MORE, _NEAR = 2.0, 1e-7
 """Times as far as the last steps, that another may lead on from there; of steps that move ports (m, rad) further."""
