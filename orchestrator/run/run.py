@@ -162,18 +162,37 @@ def _exported(
 def as_fmus(
     assembly: Assembly, backend: Backend | None = None, *, isolate: bool = False
 ) -> Iterator[Sequence[FmiParticipant]]:
-    """Every part of an assembly as an instance of its FMU; freed in the end, whatever happens.
+    """Every part of an assembly, exported as an FMU and instantiated; freed in the end, whatever happens.
 
-    Instances of native FMUs are made in the compiled library, without files. isolate: each FMU in a process of its own.
+    isolate: each FMU in a process of its own.
+    """
+    with ExitStack() as stack:
+        yield [
+            _closed_by(stack, _as_file(assembly, part, backend, isolate, stack)) for part in assembly.parts
+        ]
+
+
+@contextmanager
+def as_instances(
+    assembly: Assembly, backend: Backend | None = None, *, isolate: bool = False
+) -> Iterator[Sequence[FmiParticipant]]:
+    """The same without files where FMUs are native: instances in the library that their files carry.
+
+    For studies of many runs, in which writing and unpacking files takes as long as a run.
     """
     with ExitStack() as stack:
         participants: list[FmiParticipant] = []
         for part in assembly.parts:
             here = not isolate and backend != "python" and native_backend(part.component())
             one = _in_library(assembly, part) if here else _as_file(assembly, part, backend, isolate, stack)
-            stack.callback(one.close)
-            participants.append(one)
+            participants.append(_closed_by(stack, one))
         yield participants
+
+
+def _closed_by(stack: ExitStack, participant: FmiParticipant) -> FmiParticipant:
+    """A participant that is freed with a stack."""
+    stack.callback(participant.close)
+    return participant
 
 
 def _in_library(assembly: Assembly, part: Part) -> FmiParticipant:
@@ -188,7 +207,7 @@ def _as_file(
     assembly: Assembly, part: Part, backend: Backend | None, isolate: bool, stack: ExitStack
 ) -> FmiParticipant:
     """An instance of an FMU that is exported, in a folder that lasts as long as the stack."""
-    from ..cosim.fmu import FmuParticipant  # takes its time, which native FMUs in this process need not
+    from ..cosim.fmu import FmuParticipant  # FMPy takes its time, which studies need not
 
     folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
     path = _exported(assembly, part, folder, backend)
@@ -196,11 +215,15 @@ def _as_file(
 
 
 @contextmanager
-def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Iterator[Loader]:
+def kept_fmus(
+    backend: Backend | None = None, *, isolate: bool = False, files: bool = True
+) -> Iterator[Loader]:
     """A loader for runs one after the other: it makes the FMUs once, a later run has them reset.
 
-    An assembly with other parts, or other start values that are given, has its FMUs made anew.
+    An assembly with other parts, or other start values that are given, has its FMUs made anew. files: whether native
+    ones are loaded from files, or instances in the library.
     """
+    make = as_fmus if files else as_instances
     with ExitStack() as stack:
         kept: list[FmiParticipant] = []
         made: Sequence[Part] = ()
@@ -213,7 +236,7 @@ def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Itera
                     participant.reset(part.start)
             else:
                 stack.close()
-                kept[:] = stack.enter_context(as_fmus(assembly, backend, isolate=isolate))
+                kept[:] = stack.enter_context(make(assembly, backend, isolate=isolate))
                 made = assembly.parts
             yield kept
 

@@ -196,7 +196,7 @@ def gradients(
     parameters = [parameter(scene.tree, key) for key in keys]
     assembly = static_start(options.assemble(scene.check_one_run())).assembly
     settings, end = options.settings(assembly), options.until or assembly.until
-    with kept_fmus(options.backend, isolate=options.isolate) as load:
+    with kept_fmus(options.backend, isolate=options.isolate, files=False) as load:
         assembly = with_energy_of_loads(assembly, settings, end, options.master, silent, load)
         replays = _Replays(scene, options, parameters, assembly, end, load, watch)
         found = replays.slopes(settings, 1.0)

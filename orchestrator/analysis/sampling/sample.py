@@ -73,7 +73,8 @@ class _Fmus(threading.local):
         """Of these options."""
         key = options.backend, options.isolate
         if key not in self._kept:
-            self._kept[key] = self._stack.enter_context(kept_fmus(options.backend, isolate=options.isolate))
+            loader = kept_fmus(options.backend, isolate=options.isolate, files=False)
+            self._kept[key] = self._stack.enter_context(loader)
         return self._kept[key]
 
     def drop(self) -> None:
