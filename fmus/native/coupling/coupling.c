@@ -111,7 +111,7 @@ void coupling_exchange_scalars(Coupling *c, int write) {
                          g->powers + 2,     g->powers + 3};
     size_t *counts[] = {&past->count, &g->trials,        &c->position,     &r->held,
                         &c->untold,   &c->divided.parts, &c->divided.made, &c->network.watched_count};
-    ptrdiff_t *signs[] = {&c->sizes.level, &c->sizes.made};
+    ptrdiff_t *signs[] = {&c->sizes.level, &c->sizes.wait, &c->sizes.stirred};
     for (size_t i = 0; i < sizeof doubles / sizeof *doubles; i++, place++)
         write ? (void)(*place = *doubles[i]) : (void)(*doubles[i] = *place);
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++, place++)

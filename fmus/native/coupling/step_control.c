@@ -12,8 +12,9 @@
 #define GROWTH_MARGIN 0.5
 #define LEAST_ERROR 1e-9
 enum {
-    STIRRED_STEPS = 3,      /* first steps after a change of size */
-    STEPS_BEFORE_LEVEL = 8, /* of a size before it grows by a single level */
+    STIRRED_STEPS = 3,
+    STEPS_AFTER_GROWTH = STIRRED_STEPS + 1,
+    STEPS_AFTER_SHRINKING = 8,
     MOST_LEVELS = 6,
     MOST_GROWTH = 2,
     STEPS_AFTER_DIVISION = 16,
@@ -31,21 +32,22 @@ static ptrdiff_t most(ptrdiff_t a, ptrdiff_t b) { return a > b ? a : b; }
 
 double size_now(const StepSizes *s) { return s->largest * pow(RATIO, (double)-s->level); }
 
-static void size_changed(StepSizes *s) {
-    s->made = 0;
+static void size_changed(StepSizes *s, ptrdiff_t wait) {
+    s->wait = wait;
+    s->stirred = STIRRED_STEPS;
     s->worst = 0.0;
 }
 
 void restart_sizes(StepSizes *s, double size, int stirred) {
     const double levels = -floor(log(size / s->largest) / log(RATIO) + 1e-9);
     s->level = levels > 0.0 ? (ptrdiff_t)levels : 0;
-    size_changed(s);
-    if (!stirred) s->made = STIRRED_STEPS;
+    size_changed(s, STEPS_AFTER_GROWTH);
+    if (!stirred) s->stirred = 0;
 }
 
 static void go_down(StepSizes *s, ptrdiff_t levels) {
     s->level += levels;
-    size_changed(s);
+    size_changed(s, STEPS_AFTER_SHRINKING);
 }
 
 int shrink_size(StepSizes *s, double share) {
@@ -56,26 +58,29 @@ int shrink_size(StepSizes *s, double share) {
 /* Logarithm of the growth of a step's error by one level. */
 static double per_level(const StepSizes *s) { return (double)(s->order + 1) * log(RATIO); }
 
-/* Go to larger sizes, where the worst error since the last change leaves room. Each size costs matrices, so that a single
-   level pays only where sizes have settled. */
+/* Go to larger sizes, where the worst error since the last change leaves room. */
 static void grow(StepSizes *s) {
     const ptrdiff_t room = (ptrdiff_t)floor(log(GROWTH_MARGIN / fmax(s->worst, LEAST_ERROR)) / per_level(s));
-    if (room < (s->made < STEPS_BEFORE_LEVEL ? 2 : 1) || s->level == 0) return;
+    if (room < 1 || s->level == 0) return;
     s->level = most(0, s->level - least(room, MOST_GROWTH));
-    size_changed(s);
+    size_changed(s, STEPS_AFTER_GROWTH);
 }
 
 int judge_error(StepSizes *s, double error) {
-    const int can_shrink = size_now(s) > 2.0 * s->smallest, is_stirred = s->made < STIRRED_STEPS;
+    const int can_shrink = size_now(s) > 2.0 * s->smallest, is_stirred = s->stirred > 0;
     if (error > (is_stirred ? REJECTED_STIRRED : REJECTED) && can_shrink) {
         const double levels = ceil(log(error) / per_level(s));
         go_down(s, levels < (double)MOST_LEVELS ? most(1, (ptrdiff_t)levels) : MOST_LEVELS);
         return 0;
     }
-    s->made++;
+    s->wait--;
+    if (is_stirred) {
+        s->stirred--;
+        return 1;
+    }
     s->worst = fmax(error, FORGET * s->worst);
-    if (error > 1.0 && can_shrink && !is_stirred) go_down(s, 1);
-    else grow(s);
+    if (error > 1.0 && can_shrink) go_down(s, 1);
+    else if (s->wait <= 0) grow(s);
     return 1;
 }
 

@@ -21,14 +21,14 @@
 
 /* The grid of communication step sizes (s), largest x sqrt(2)^-level, and the present level.
 
-   A step with an error a little above the allowed one is accepted, and the next one is smaller. A change of size excites
-   stiff joints. Errors of the first steps after it are those of this excitation, which smaller steps would only renew:
-   they lead to a smaller size only if they are large, but to none that is larger unless they are small. made: steps
-   since the last change; worst: largest error since then, which fades. */
+   A change of size excites stiff joints, so sizes change seldom. A step with an error a little above the allowed one is
+   accepted, and the next one is smaller. After a change the size stays for `wait` steps. Errors of the first `stirred`
+   steps after a change are those of this excitation, which smaller steps would only renew: they lead to a rejection
+   only if they are large, and do not influence the next size. worst: largest error since then, which fades. */
 typedef struct {
     double largest, smallest, worst;
     size_t order;
-    ptrdiff_t level, made;
+    ptrdiff_t level, wait, stirred;
 } StepSizes;
 
 double size_now(const StepSizes *s);

@@ -402,10 +402,10 @@ def test_corrections_that_take_each_other_back_are_halved():
     """Newton's method goes to and fro between friction that sticks and that slides, and steps are given up for it.
 
     ARABSAT on its rig is let go with friction that sticks by an elastic deflection, and the first of its hinges break
-    away: 126 steps and 1 rejected, against 156 and 14 without halving.
+    away: 113 steps and 1 rejected, against 150 and 11 without halving.
     """
     found = Scene.load("arabsat", "phase2")
     stiffness = {f"hinge_line.{name}.presliding.stiffness": "4e4 N.m/rad" for name in found.hinge_lines}
     costs = run(assemble(found.with_settings(stiffness).check_one_run()), None, Settings(), 0.0044).costs
-    assert costs.steps == pytest.approx(126, rel=0.05)
+    assert costs.steps == pytest.approx(113, rel=0.05)
     assert costs.rejected < 5
