@@ -3,10 +3,10 @@
 #include "evaluate.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "layout.h"
-#include "real.h"
 
 static int prepare(Instance *instance, Reason *why) {
     if (!instance->prepared)
@@ -17,22 +17,15 @@ static int prepare(Instance *instance, Reason *why) {
 
 double *evaluate_inputs(const Instance *instance) { return instance->values + instance->ends[0]; }
 
-enum { AT_ONCE = 8 };
-
-/* Zero where all numbers are finite, as each is less itself, and no number otherwise. */
-FANFOLD_VECTORISED static double nothing_of(const double *numbers, size_t count) {
-    double sums[AT_ONCE] = {0.0};
-    size_t i = 0;
-    for (; i + AT_ONCE <= count; i += AT_ONCE)
-        for (size_t k = 0; k < AT_ONCE; k++)
-            sums[k] += numbers[i + k] - numbers[i + k];
-    for (; i < count; i++)
-        sums[0] += numbers[i] - numbers[i];
-    return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-}
-
+/* A number less itself is a zero without a sign, or it is no finite number. */
 int evaluate_all_finite(const double *numbers, size_t count, size_t *bad) {
-    if (nothing_of(numbers, count) == 0.0)
+    uint64_t found = 0, bits;
+    for (size_t i = 0; i < count; i++) {
+        const double nothing = numbers[i] - numbers[i];
+        memcpy(&bits, &nothing, sizeof bits);
+        found |= bits;
+    }
+    if (!found)
         return 1;
     for (*bad = 0; *bad < count && isfinite(numbers[*bad]);)
         ++*bad;

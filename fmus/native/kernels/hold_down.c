@@ -86,7 +86,7 @@ static inline void hold_step(const HoldDown *hold_down, const double *x, const r
                              const Instant *now, double h, real *x_next) {
     const int impulse = commanded(u, U_IMPULSE), paired = hold_down->base.paired && !impulse;
     const double *q = x + X_FRAME, *gap = x + X_GAP;
-    Passage passage = passage_between((Quaternion){q[0], q[1], q[2], q[3]}, now->frame, constant_vector(gap), now->gap);
+    Passage passage = {{q[0], q[1], q[2], q[3]}, now->frame, {gap[0], gap[1], gap[2]}, now->gap};
     Vector3 zero = {0.0, 0.0, 0.0}, velocity = zero, spin;
     if (paired) relative_moments(&passage, u + INPUTS, &velocity, &spin);
     const real moments[AXES] = {velocity.x, velocity.y, velocity.z};

@@ -56,7 +56,7 @@ int NAME(point_motion_step)(void *self, const double *x, const real *u, double h
     const double *q = x + X_FRAME, *gap = x + X_GAP;
     Instant now = point_motion_instant(drive, u, clock);
     const double before = base->p[P_OFFSET] + value_of(motion_value(&drive->law, x[X_CLOCK]));
-    Passage passage = passage_between((Quaternion){q[0], q[1], q[2], q[3]}, now.frame, constant_vector(gap), now.gap);
+    Passage passage = {{q[0], q[1], q[2], q[3]}, now.frame, {gap[0], gap[1], gap[2]}, now.gap};
     real start = quaternion_rotate_back(passage.frame0, passage.gap0).x - before;
     StepMotion motion = step_motion(x + X_MEMORY, start, now.deflection, h);
     /* inertial terms tame held forces, which an end-point force is not */

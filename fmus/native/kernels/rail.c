@@ -95,7 +95,7 @@ static inline void rail_store_wrench(const Trolley *now, const real *load, Trans
 static inline Transverse trolley_moments(const Trolley *now, const real *trolley, Transverse swing,
                                          real moments[STIFF_COUNT]) {
     const Pose *pose = &now->pose;
-    const Passage still = passage_between(pose->frame, pose->frame, pose->gap, pose->gap);
+    const Passage still = {pose->frame, pose->frame, pose->gap, pose->gap};
     real both[2 * MOMENTS] = {0.0};
     for (int i = 0; i < MOMENTS; i++) both[MOMENTS + i] = trolley[i];
     Rates found = rate_moments(&still, both, swing);

@@ -21,13 +21,6 @@
 #define FANFOLD_INLINED static inline
 #endif
 
-/* Loops that pay it are compiled for processors with fused multiply-add as well; glibc chooses at load time. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
-#define FANFOLD_VECTORISED __attribute__((target_clones("fma", "default")))
-#else
-#define FANFOLD_VECTORISED
-#endif
-
 /* A complex number of two parts; C99 has no such macro, and a sum with I times b is slow and not exact. */
 static inline double complex complex_of(double a, double b) {
     double parts[2] = {a, b};

@@ -43,7 +43,7 @@ static inline Arc arc_to(const Turn *end, const double *x, const real *u, int pa
     const double *q = x + X_FRAME, *swing = x + X_SWING;
     const Vector3 nowhere = {0.0, 0.0, 0.0};
     Arc arc = {
-        .passage = passage_between((Quaternion){q[0], q[1], q[2], q[3]}, end->frame, nowhere, nowhere),
+        .passage = {{q[0], q[1], q[2], q[3]}, end->frame, nowhere, nowhere},
         .swing = {0.5 * (swing[0] + end->swing.y), 0.5 * (swing[1] + end->swing.z)},
         .change = end->angle - x[X_ANGLE],
     };

@@ -6,7 +6,6 @@
 
 #include "frames.h"
 #include "kernel.h"
-#include "matrices.h"
 #include "mid_step.h"
 #include "port_sizes.h"
 
@@ -90,6 +89,11 @@ static inline Vector3 conjugate_torque(real twist, Transverse bending, Transvers
     return (Vector3){twist, bending.y + share * swing.z, bending.z - share * swing.y};
 }
 
+/* A vector held in hinge axes over a step, as its mean in world axes. */
+static inline Vector3 mean_direction(Quaternion start, Quaternion end, Vector3 v) {
+    return vector_mean(quaternion_rotate(start, v), quaternion_rotate(end, v));
+}
+
 /* Wrenches on A and on B, 12 numbers, that sum to zero about any point, from force and torque on B at its
    origin in world axes, and the gap from A to B, the mean over the step. */
 static inline void store_pair(Vector3 force, Vector3 torque, Vector3 gap, real *wrench) {
@@ -100,25 +104,11 @@ static inline void store_pair(Vector3 force, Vector3 torque, Vector3 gap, real *
 }
 
 /* Hinge frame and gap at both ends of a step: what makes wrenches of loads, and moments of coordinates of moments.
-   Both maps are adjoint, so that slopes do the same work on the moments of ports and of coordinates. axes: the mean of
-   both frames, as matrices from hinge to world axes. */
+   Both maps are adjoint, so that slopes do the same work on the moments of ports and of coordinates. */
 typedef struct Passage {
     Quaternion frame0, frame1;
     Vector3 gap0, gap1;
-    real axes[9];
 } Passage;
-
-static inline Passage passage_between(Quaternion frame0, Quaternion frame1, Vector3 gap0, Vector3 gap1) {
-    Passage passage = {.frame0 = frame0, .frame1 = frame1, .gap0 = gap0, .gap1 = gap1};
-    real start[9], end[9];
-    rotation_matrix(frame0, start);
-    rotation_matrix(frame1, end);
-    for (size_t i = 0; i < 9; i++) passage.axes[i] = 0.5 * (start[i] + end[i]);
-    return passage;
-}
-
-/* A vector held in hinge axes over a step, as its mean in world axes. */
-static inline Vector3 mean_direction(const Passage *passage, Vector3 v) { return matrix_times(passage->axes, v); }
 
 /* Centre line between two points over a step: mean and change of the vector, and the scale of its direction. A tension
    acts along scale x mean, and a slope of the tension also along the change of the direction within the step, so that
@@ -161,7 +151,9 @@ static inline Vector3 gap_slope(const Passage *passage) {
 }
 
 /* A world vector in hinge axes, as the mean over the step. */
-static inline Vector3 mean_back(const Passage *passage, Vector3 v) { return transposed_times(passage->axes, v); }
+static inline Vector3 mean_back(const Passage *passage, Vector3 v) {
+    return vector_mean(quaternion_rotate_back(passage->frame0, v), quaternion_rotate_back(passage->frame1, v));
+}
 
 /* Moments of the relative velocity and angular velocity in hinge axes, from those of both ports (12). */
 static inline void relative_moments(const Passage *passage, const real *moments, Vector3 *velocity, Vector3 *spin) {
@@ -183,8 +175,9 @@ static inline Rates rate_moments(const Passage *passage, const real *moments, Tr
 
 /* Mean wrenches on A and B, 12 numbers, from loads on B in hinge axes that have no slopes. */
 static inline void store_mean_pair(const Passage *passage, Vector3 force, Vector3 torque, real *wrench) {
-    store_pair(mean_direction(passage, force), mean_direction(passage, torque),
-               vector_mean(passage->gap0, passage->gap1), wrench);
+    store_pair(mean_direction(passage->frame0, passage->frame1, force),
+               mean_direction(passage->frame0, passage->frame1, torque), vector_mean(passage->gap0, passage->gap1),
+               wrench);
 }
 
 /* The slopes of wrenches, 12 numbers, from those of the loads, and what they add to the mean ones already stored: the

@@ -99,7 +99,7 @@ static inline void step_motions(const Hinge *hinge, const double *x, const real 
 static inline void mean_step(const Hinge *hinge, const double *x, const real *u, Grip *grip, const Motion *new,
                              double h, real *x_next) {
     const double *q = x + X_FRAME, *gap = x + X_GAP;
-    Passage passage = passage_between((Quaternion){q[0], q[1], q[2], q[3]}, new->frame, constant_vector(gap), new->gap);
+    Passage passage = {{q[0], q[1], q[2], q[3]}, new->frame, {gap[0], gap[1], gap[2]}, new->gap};
     Loads loads;
     for (int i = 0; i < LOAD_COUNT * MID_STEP_SLOPE_SIZE; i++) x_next[X_LOADS + i] = 0.0;
     store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + X_SLIDING);

@@ -327,8 +327,7 @@ int hinge_stiffness(void *self, const double *x, const double *u, double h, size
         return 1;
     }
     Stretch course = {.end = hinge_motion(hinge, given, x[X_COORDINATES + HINGE_ANGLE])};
-    Passage passage = passage_between((Quaternion){q[0], q[1], q[2], q[3]}, course.end.frame, constant_vector(gap),
-                                      course.end.gap);
+    Passage passage = {{q[0], q[1], q[2], q[3]}, course.end.frame, {gap[0], gap[1], gap[2]}, course.end.gap};
     step_motions(hinge, x, given, &course.end, &passage, h, course.motions);
     place_frames(&passage, &course);
     const StiffLoads stiff = stiff_loads(hinge, &grip, course.motions);
