@@ -15,9 +15,11 @@ damping of 0.1 k h r takes that ringing, by its first moment alone: u1 falls by 
 motion beside the ringing is, stays free. The roughness r of a motion, from 0 to 1, compares the rate with which a step
 begins, as its path says, with the one with which the step before ended:
 
-    a = (s1 - s0 - 3 m) / h,  b = (s1 - s0 + 3 m) / h,  sqrt(r) = |a - b_before| / (|a| + |b_before| + |b|).
+    a = (s1 - s0 - 3 m) / h,  b = (s1 - s0 + 3 m) / h,  sqrt(q) = |a - b_before| / (|a| + |b_before| + |b|),
+    r = (3 r_before + q) / 4.
 
-It acts in the next step, so a step's law is the same in all its iterations. Where steps resolve the motion, r goes
+It acts in the next step, so a step's law is the same in all its iterations, and nearly that of the step before, whose
+stiffness iterations start from. Where steps resolve the motion, r goes
 with h^6, with h^4 where a coordinate comes to rest or the step changes, and what the damping takes is beyond order 4.
 Where they do not, r is near one half: beside an inertia M that the spring k holds, the deflection falls by a factor of
 0.54 a step where k h^2 / M is large; what is left then, a motion that goes out and comes back within each step, fades
@@ -30,7 +32,7 @@ from collections.abc import Sequence
 from math import sqrt
 
 from .laws import Law, mean_force
-from .scheme import LEAST_RATE, NUMERICAL_DAMPING
+from .scheme import LEAST_RATE, NUMERICAL_DAMPING, ROUGHNESS_SHARE
 from .stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
 
 
@@ -91,7 +93,8 @@ def remembered_path(m: StepMotion) -> Memory:
     change, bend = m.end - m.start, 3.0 * m.moment
     begin, end, before = (change - bend) / m.h, (change + bend) / m.h, m.memory.end_rate
     jump = (begin - before) / (abs(begin) + abs(end) + abs(before) + LEAST_RATE)
-    return Memory(change / m.h, end, jump * jump)
+    known = m.memory.roughness
+    return Memory(change / m.h, end, known + ROUGHNESS_SHARE * (jump * jump - known))
 
 
 def memories_after(

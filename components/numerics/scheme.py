@@ -5,6 +5,9 @@ OF_RATES = 0.05
 """Shares of k d and k p in the inertial terms of a stiff coordinate, see `stiff_coordinate`."""
 NUMERICAL_DAMPING = 0.1
 """Share of k h in the damping of a rough motion, see `fourth_order_correction`."""
+ROUGHNESS_SHARE = 0.25
+"""Of one step in the roughness, which then follows ringing within a few steps; a stiffness that changed with every step
+would be one that iterations do not know."""
 LEAST_RATE = 1e-30
 """Added to a sum of rates by which the roughness is divided."""
 ROUGH = 1e-2

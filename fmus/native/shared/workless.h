@@ -55,7 +55,7 @@ static inline void store_path(const StepMotion *m, real *memory) {
     real jump = (begin - m->end_rate) / (real_abs(begin) + real_abs(end) + fabs(m->end_rate) + LEAST_RATE);
     memory[MEAN_RATE] = change / m->h;
     memory[END_RATE] = end;
-    memory[ROUGHNESS] = jump * jump;
+    memory[ROUGHNESS] = m->roughness + ROUGHNESS_SHARE * (jump * jump - m->roughness);
 }
 
 #endif

@@ -6,6 +6,7 @@
 #define OF_INCREMENTS 0.2
 #define OF_RATES 0.05
 #define NUMERICAL_DAMPING 0.1
+#define ROUGHNESS_SHARE 0.25
 #define LEAST_RATE 1e-30
 #define ROUGH 0.01
 #define LEAST_CHANGE 1e-05

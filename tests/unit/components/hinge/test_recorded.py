@@ -9,6 +9,7 @@ from tests.unit.components.hinge.hinge_cases import CONSTANT_TORQUE, hinge, obse
 H = 0.01
 TURNS = (0.0, 1.0e-7, 2.0e-7, 3.0e-7)
 WITHIN = 1e-6  # rad, moment of a motion that goes out and comes back within each step
+OF_LAW = 6e-3  # share of the law that counts at a roughness of 0.14, which three such steps reach: (ROUGH / 0.14)^2
 
 
 def run(component, c, moment, turns=TURNS, impulse=()):
@@ -36,7 +37,7 @@ def test_lock_torque_of_a_rough_motion_is_that_of_the_means():
     states, given, torques = run(component, c, WITHIN)
     law = -1e8 * TURNS[3]
     found = recorded(component, c, states, given, 3)
-    assert found == pytest.approx(1.5 * torques[3] - 0.5 * torques[2], rel=2e-3)
+    assert found == pytest.approx(1.5 * torques[3] - 0.5 * torques[2], rel=OF_LAW)
     assert abs(found - law) > abs(law)
 
 
@@ -68,7 +69,7 @@ def test_bushing_forces_of_a_rough_motion_are_those_of_the_means():
         x = component.initial(c, u) if x is None else component.step(c, x, u, H)
         forces.append(component.outputs(c, x, u)[component.output_layout["outboard.force"]][1])
     found = observed(component, c, x, u)["axial_force"]
-    assert found == pytest.approx(1.5 * forces[3] - 0.5 * forces[2], rel=2e-3)
+    assert found == pytest.approx(1.5 * forces[3] - 0.5 * forces[2], rel=OF_LAW)
 
 
 def test_loads_one_step_earlier():

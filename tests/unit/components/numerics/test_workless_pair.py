@@ -98,7 +98,7 @@ def test_the_energy_is_kept_and_only_ever_damped(angle):
     assert np.all((rough >= 0.0) & (rough <= 1.0))
 
 
-@pytest.mark.parametrize(("angle", "left"), [(0.3, 0.9999999), (1.0, 0.999), (5.0, 1e-6), (10.0, 1e-9)])
+@pytest.mark.parametrize(("angle", "left"), [(0.3, 0.9999999), (1.0, 0.999), (5.0, 1e-5), (10.0, 1e-9)])
 def test_damping_takes_what_is_not_resolved(angle, left):
     """Vibration of 50 steps: untouched up to w h = 1, gone from w h = 5 on."""
     states, _ = swinging(angle, 50, (0.0, 1.0))
