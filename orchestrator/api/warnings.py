@@ -20,6 +20,8 @@ class FanfoldWarning(UserWarning):
 def warn(sentence: str) -> None:
     """Issue a FanfoldWarning at the caller's line of code outside of this package."""
     level, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == "orchestrator":
+    while (
+        frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "orchestrator"
+    ):
         level, frame = level + 1, frame.f_back
     warnings.warn(sentence, FanfoldWarning, stacklevel=level)

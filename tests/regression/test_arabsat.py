@@ -46,7 +46,7 @@ def test_fidelity_of_any_panel_is_one_flag(flexible):
 @pytest.mark.slow
 def test_phase_2_is_quasi_stationary_and_its_energy_balance_closes():
     """Sheet (d), check 2: motor-driven to full deployment, all angles from the drive's by the loops' ratios."""
-    result = RUNS.result("arabsat", "phase2", rigid=("all",), tolerance=1e-2)
+    result = RUNS.result("arabsat", "phase2", rigid=("all",), tolerance=1.5e-3)
     supplied = result.signal("sadm", "supplied_energy")
     residual = result.signal("scene", "energy_residual")
     assert np.abs(residual).max() < 1e-4 * np.abs(supplied).max()

@@ -21,6 +21,8 @@ pytestmark = pytest.mark.skipif(native_library() is None, reason="no C compiler"
 
 LARGEST, SMALLEST = 0.02, 2e-5
 STEPS = 200
+JUMP = 1e-4
+"""Largest jump of the balance of energy over the energy in motion, at the reference tolerance."""
 
 
 class Sizes:
@@ -120,7 +122,7 @@ class Guard:
         self._guard = call("new_guard", np.array(energies))
 
     def allows(self, h: float, *energies: float) -> bool:
-        return bool(call("allows", self._guard, np.array(energies), h))
+        return bool(call("allows", self._guard, np.array(energies), h, JUMP))
 
     def accept(self, *energies: float) -> None:
         call("accepts", self._guard, np.array(energies))
