@@ -154,8 +154,9 @@ def test_far_less_error_at_equal_steps(law):
 def test_energy_is_exact(law, h):
     """Conservation at any step, resolved or not: beam, law and what numerical damping takes add up.
 
-    To round-off: 1e-9 of the energy, a few hundred steps of loads that are iterated to 1e-12. Damping only takes.
+    To round-off: torques of a lock of 1e8 N.m/rad round to 1e-8 N.m and move by less than 1e-3 rad in each of a few
+    hundred steps, 1e-8 of the energy at most. Damping only takes.
     """
     path, whole = of_order_four(law, h), energy(BEAM, np.zeros_like(BEAM.rotation), start(law))
-    assert path.residual < 1e-9 * whole
+    assert path.residual < 1e-8 * whole
     assert 0.0 <= path.heat < 1e-2 * whole

@@ -20,8 +20,9 @@ pytestmark = pytest.mark.usefixtures("kept_registry", "nothing_trusted")
 
 
 @pytest.fixture
-def trap(tmp_path):
+def trap(tmp_path, monkeypatch):
     """A plugin that counts how often it runs, in a file beside it; content as no other test has it."""
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "trap.py").write_text(
         f"with open({str(tmp_path / 'ran')!r}, 'a') as file:\n    file.write('x')\n"
     )
@@ -57,9 +58,8 @@ def fanfold_says(*words):
         ("export", "-o", "fmus"),
     ],
 )
-def test_scenes_name_their_plugins_and_run_none(trap, words, monkeypatch):
+def test_scenes_name_their_plugins_and_run_none(trap, words):
     """Reproduction: `check` ran the code of a scene before it said anything of it."""
-    monkeypatch.chdir(trap.parent)
     found = fanfold_says(*words, scene_with(trap))
     assert found.exit_code == 1
     assert f"--plugin {trap}" in found.output
