@@ -9,8 +9,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 import orchestrator as fanfold
-from orchestrator.cosim.settings import TIME_ROUNDING
 from fmus import native_library
+from orchestrator.cosim.settings import TIME_ROUNDING
 from tests.unit.run.as_one.host import Host, latching
 from tests.unit.run.as_one.host3 import Host3
 
