@@ -123,94 +123,65 @@ def export(
     except fmus.CompileError as error:
         raise RunError(f"{assembly.name}: {error}") from None
     directory.mkdir(parents=True, exist_ok=True)
-    return [
-        _exported(assembly, part, directory, backend, fmi, with_sources, experiment, compressed, platforms)
-        for part in assembly.parts
-    ]
+    paths = []
+    for part in assembly.parts:
+        with _refusals(assembly, part):
+            paths.append(
+                fmus.build_fmu(
+                    part.component(),
+                    part.name,
+                    directory,
+                    part.start,
+                    backend,
+                    fmi,
+                    with_sources,
+                    experiment,
+                    compressed,
+                    platforms,
+                )
+            )
+    return paths
 
 
-def _exported(
-    assembly: Assembly,
-    part: Part,
-    directory: Path,
-    backend: Backend | None,
-    fmi: FmiVersion = "2.0",
-    with_sources: bool = False,
-    experiment: Experiment | None = None,
-    compressed: bool = False,
-    platforms: Sequence[str] = (),
-) -> Path:
-    """The FMU of one part."""
+@contextmanager
+def _refusals(assembly: Assembly, part: Part) -> Iterator[None]:
+    """RunError that names the part where a component is refused."""
     try:
-        return fmus.build_fmu(
-            part.component(),
-            part.name,
-            directory,
-            part.start,
-            backend,
-            fmi,
-            with_sources,
-            experiment,
-            compressed,
-            platforms,
-        )
+        yield
     except ComponentError as error:
         raise RunError(f"{assembly.name}: {part.name}: {error}") from None
 
 
 @contextmanager
 def as_fmus(
-    assembly: Assembly, backend: Backend | None = None, *, isolate: bool = False
+    assembly: Assembly, backend: Backend | None = None, *, isolate: bool = False, files: bool = True
 ) -> Iterator[Sequence[FmiParticipant]]:
-    """Every part of an assembly, exported as an FMU and instantiated; freed in the end, whatever happens.
+    """Every part of an assembly as an instance of its FMU; freed in the end, whatever happens.
 
-    isolate: each FMU in a process of its own.
+    isolate: each FMU in a process of its own. files: whether native FMUs in this process are loaded from files.
+    Otherwise they are instances in the library that their files carry, for studies of many runs, in which writing and
+    unpacking files takes as long as a run.
     """
+    from_files = files or isolate or backend == "python"
     with ExitStack() as stack:
-        yield [
-            _closed_by(stack, _as_file(assembly, part, backend, isolate, stack)) for part in assembly.parts
-        ]
-
-
-@contextmanager
-def as_instances(
-    assembly: Assembly, backend: Backend | None = None, *, isolate: bool = False
-) -> Iterator[Sequence[FmiParticipant]]:
-    """The same without files where FMUs are native: instances in the library that their files carry.
-
-    For studies of many runs, in which writing and unpacking files takes as long as a run.
-    """
-    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
         participants: list[FmiParticipant] = []
         for part in assembly.parts:
-            here = not isolate and backend != "python" and native_backend(part.component())
-            one = _in_library(assembly, part) if here else _as_file(assembly, part, backend, isolate, stack)
-            participants.append(_closed_by(stack, one))
+            with _refusals(assembly, part):
+                if from_files or not native_backend(part.component()):
+                    one = _from_file(part, folder, backend, isolate=isolate)
+                else:
+                    one = CompiledParticipant(part)
+            stack.callback(one.close)
+            participants.append(one)
         yield participants
 
 
-def _closed_by(stack: ExitStack, participant: FmiParticipant) -> FmiParticipant:
-    """A participant that is freed with a stack."""
-    stack.callback(participant.close)
-    return participant
-
-
-def _in_library(assembly: Assembly, part: Part) -> FmiParticipant:
-    """An instance of a native FMU."""
-    try:
-        return CompiledParticipant(part)
-    except ComponentError as error:
-        raise RunError(f"{assembly.name}: {part.name}: {error}") from None
-
-
-def _as_file(
-    assembly: Assembly, part: Part, backend: Backend | None, isolate: bool, stack: ExitStack
-) -> FmiParticipant:
-    """An instance of an FMU that is exported, in a folder that lasts as long as the stack."""
+def _from_file(part: Part, folder: Path, backend: Backend | None, *, isolate: bool) -> FmiParticipant:
+    """An instance of the FMU of a part, which is written into a folder."""
     from ..cosim.fmu import FmuParticipant  # FMPy takes its time, which studies need not
 
-    folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
-    path = _exported(assembly, part, folder, backend)
+    path = fmus.build_fmu(part.component(), part.name, folder, part.start, backend, compressed=False)
     return FmuParticipant(path.stem, path, isolate=isolate)
 
 
@@ -220,10 +191,8 @@ def kept_fmus(
 ) -> Iterator[Loader]:
     """A loader for runs one after the other: it makes the FMUs once, a later run has them reset.
 
-    An assembly with other parts, or other start values that are given, has its FMUs made anew. files: whether native
-    ones are loaded from files, or instances in the library.
+    An assembly with other parts, or other start values that are given, has its FMUs made anew. files: as for `as_fmus`.
     """
-    make = as_fmus if files else as_instances
     with ExitStack() as stack:
         kept: list[FmiParticipant] = []
         made: Sequence[Part] = ()
@@ -236,7 +205,7 @@ def kept_fmus(
                     participant.reset(part.start)
             else:
                 stack.close()
-                kept[:] = stack.enter_context(make(assembly, backend, isolate=isolate))
+                kept[:] = stack.enter_context(as_fmus(assembly, backend, isolate=isolate, files=files))
                 made = assembly.parts
             yield kept
 
