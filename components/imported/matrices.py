@@ -80,7 +80,7 @@ def _square(found: Matrices, nodes: Integers) -> tuple[SparseMatrix, SparseMatri
                 "given; take both matrices from one program"
             )
         return stiffness.matrix, mass.on(stiffness.dofs), stiffness.dofs
-    dofs = _whole("dofs", _table(found, "dofs", 2)) if "dofs" in found else None
+    dofs = _listed(found) if "dofs" in found else None
     if dofs is not None and isinstance(stiffness, Entries) and stiffness.count < len(dofs):
         raise ComponentError(
             f"{stiffness.file}: has {stiffness.count} rows, and {len(dofs)} degrees of freedom are listed; one of the "
@@ -93,6 +93,15 @@ def _square(found: Matrices, nodes: Integers) -> tuple[SparseMatrix, SparseMatri
         for matrix in (stiffness, mass)
     )
     return stiffness, mass, _in_order(nodes, stiffness.shape[0]) if dofs is None else dofs
+
+
+def _listed(found: Matrices) -> Any:  # noqa: ANN401 - integers
+    """Node and component of every row; of a column of nodes, as Ansys writes it, all three or six of each."""
+    if found["dofs"].shape[1:] != (1,):
+        return _whole("dofs", _table(found, "dofs", 2))
+    stiffness = found["stiffness"]
+    rows = stiffness.count if isinstance(stiffness, Entries) else stiffness.shape[0]
+    return _in_order(_whole("dofs", _table(found, "dofs", 1)[:, 0]), rows)
 
 
 def _outputs(found: Matrices) -> OutputRows | None:

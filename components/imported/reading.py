@@ -93,14 +93,14 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
         from .nastran_bulk import read_grids
 
         return read_grids(path)
-    if name == "dofs":
-        return read_dofs(path)
     content = path.read_bytes()
     if content.startswith(_HEAD):
         with reading(path, "Matrix Market"):
             _refuse_other_size(content)
             # SciPy reads beyond the end of a file that is cut off within an exponent, but not beyond a line
             return scipy.sparse.coo_array(scipy.io.mmread(BytesIO(_in_plain_numbers(content) + b"\n")))
+    if name == "dofs":
+        return read_dofs(path)
     return read_entries(path) if name in ("stiffness", "mass") else read_columns(path)
 
 

@@ -7,6 +7,8 @@ node.direction.
 
 from __future__ import annotations
 
+import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,6 +19,11 @@ from ..data import Integers
 from .labelled import Entries, LabelledMatrix, labelled
 
 _COMMENTS = ("#", "*", "%")
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+_HEADING = re.compile(r'"?[^\W\d_]|\D*$')
+_DECIMAL_COMMAS = re.compile(r"(?=.*[^,][;\t ])([^,]|(?<=\d),(?=\d))*")
+_BLANKS = str.maketrans(';"', "  ")
+_BLANKS_AND_COMMA = str.maketrans(';",', "   ")
 _ROW_AND_COLUMN, _NODES = 3, 5
 """Columns of a table with entries by row and column, by nodes and components."""
 
@@ -24,24 +31,52 @@ _ROW_AND_COLUMN, _NODES = 3, 5
 def text_lines(path: Path) -> Iterator[tuple[int, str]]:
     """Lines that are neither empty nor comments, with their numbers; ComponentError where the file is no text."""
     try:
-        text = path.read_text(encoding="utf-8")
+        content = path.read_bytes()
     except OSError as error:
         raise ComponentError(f"{path.name}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ComponentError(f"{path.name}: is not text; write the matrix as text (ASCII)") from None
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(_decoded(path, content).splitlines(), 1):
         stripped = line.strip()
         if stripped and not stripped.startswith(_COMMENTS):
             yield number, stripped
 
 
+def _decoded(path: Path, content: bytes) -> str:
+    """Text in UTF-16 or UTF-8 by its byte order mark, else in UTF-8 or, with letters of Windows, in Latin-1."""
+    try:
+        if content.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+            return content.decode("utf-16")
+        if not _BINARY.search(content):
+            return content.decode("utf-8-sig" if _is_utf8(content) else "latin-1")
+    except UnicodeDecodeError:
+        pass
+    raise ComponentError(f"{path.name}: is not text; write the matrix as text (ASCII)")
+
+
+def _is_utf8(content: bytes) -> bool:
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
 def read_columns(path: Path) -> Vector:
-    """A table of numbers with commas or blanks; ComponentError tells the line that is none of it."""
+    """A table of numbers in columns; ComponentError with the line that has none.
+
+    Semicolons, tabs, commas or blanks separate columns. Commas are decimal where another separator is on the line and
+    no number of the file has a point. Lines before the first number that begin with a letter are a heading.
+    """
+    lines = list(text_lines(path))
+    first = next((k for k, (_, line) in enumerate(lines) if not _HEADING.match(line)), 0)
+    lines = lines[first:]
+    decimal_commas = all("." not in line and _DECIMAL_COMMAS.fullmatch(line) for _, line in lines)
+    blank = _BLANKS if decimal_commas else _BLANKS_AND_COMMA
+    decimal = {ord(","): ".", ord("d"): "e", ord("D"): "e"}
     rows: list[list[float]] = []
-    for number, line in text_lines(path):
-        words = line.replace(",", " ").split()
+    for number, line in lines:
+        words = [word for word in line.translate(blank).split() if word]
         try:
-            rows.append([float(word) for word in words])
+            rows.append([float(word.translate(decimal)) for word in words])
         except ValueError:
             raise ComponentError(f"{path.name}: line {number}: {line[:40]!r} is no row of numbers") from None
         if len(words) != len(rows[0]):
