@@ -430,5 +430,5 @@ def _refuse_folded(c: Constants, moved: State) -> None:
     if bent > _FOLDED:
         raise ComponentError(
             f"the hinge is bent by {degrees(bent):.0f} deg across its line, where the angle about it has no meaning; "
-            "stiffen it across (cross_stiffness of a scene's joints)"
+            "stiffen it across (cross_stiffness of a scene's joints), or stop a universal joint before"
         )

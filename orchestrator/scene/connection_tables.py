@@ -10,7 +10,7 @@ from .plausible import Plausible
 from .table import Y_AXIS, Axis, Name, Orientation, Seat, Table
 from .units import Damping, Force, PeakRate, Radius, Stiffness, TurningDamping
 
-Preset = Literal["spherical", "revolute", "cylindrical", "fixed", "bushing"]
+Preset = Literal["spherical", "revolute", "cylindrical", "prismatic", "universal", "fixed", "bushing"]
 
 
 class Pulley(Seat):

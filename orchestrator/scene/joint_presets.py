@@ -15,6 +15,8 @@ CONSTRAINED = {
     "spherical": (_ALL, _FREE),
     "revolute": (_ALL, _CROSS),
     "cylindrical": (_CROSS, _CROSS),
+    "prismatic": (_CROSS, _ALL),
+    "universal": (_ALL, (0.0, 0.0, 1.0)),
     "fixed": (_ALL, _ALL),
     "bushing": (_FREE, _FREE),
 }

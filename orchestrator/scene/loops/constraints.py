@@ -83,7 +83,7 @@ class Constraint(NamedTuple):
         # the second body as it moves, and the first as it carries the frame along
         moved_b = np.hstack((back, -back @ skew(np.array(arm_b))))
         moved_a = np.hstack((-back, back @ skew(np.array(arm_a) + np.array(gap))))
-        turned_b = np.hstack((np.zeros((3, 3)), back))
+        turned_b = np.hstack((np.zeros((3, 3)), self._turning(relative) @ back))
         kept = np.array((*self.along, *self.about)) > 0.5
         open_by = np.concatenate((offset, self._turn(relative)))[kept]
         return open_by, {
@@ -97,6 +97,18 @@ class Constraint(NamedTuple):
             return np.array(rotation_vector(relative))
         _, y, z = swing_twist(relative)
         return np.array((0.0, y, z))
+
+    def _turning(self, relative: Quaternion) -> Matrix:
+        """Directions (rows, inboard axes) about which `_turn` changes with a small rotation.
+
+        A line that may tilt about one axis across it is held about the normal of both, as in a universal joint.
+        """
+        directions = np.eye(3)
+        if self.about in ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+            line = np.array(rotate(relative, (1.0, 0.0, 0.0)))
+            _, y, z = np.eye(3)
+            directions[1:] = np.cross(z, line), np.cross(line, y)
+        return directions
 
 
 def constraints(

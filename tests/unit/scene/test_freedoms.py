@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import orchestrator as fanfold
+from components.contract.frames import exponential, multiply, rotate
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.freedoms import find_constraints
@@ -101,3 +102,35 @@ def test_an_axis_without_stiffness_is_free():
     )  # fmt: skip
     found = fanfold.constraints(scene)
     assert (found.count, found.rank) == (5, 5)
+
+
+UNIVERSAL = """
+[scene]
+name = "universal"
+until = "1 s"
+[base]
+name = "ground"
+points = { pin = [0, 0, 0] }
+[[body]]
+name = "shaft"
+place = { body = "ground", point = "pin", offset = [0.01, 0.02, 0], orientation = { x = [0.7, 0.1, -0.6] } }
+rigid = { mass = 1, inertia = [0.1, 0.1, 0.1], points = { end = [0, 0, 0] } }
+[[connection]]
+name = "joint"
+preset = "universal"
+ports = { inboard = { body = "ground", point = "pin" }, outboard = { body = "shaft", point = "end" } }
+"""
+
+
+def test_a_bent_universal_joint_is_held_about_the_normal_of_its_cross():
+    """It closes with the outboard x axis normal to the inboard y axis; its row has the direction of the differences."""
+    scene = scene_of(UNIVERSAL)
+    assert find_constraints(scene).freedoms == 2
+    (joint,) = scene.constraints
+    shaft = scene.poses["shaft"]
+    assert rotate(shaft.orientation, (1.0, 0.0, 0.0))[1] == pytest.approx(0.0, abs=1e-12)
+    row, size = joint.rows(scene.poses)[1]["shaft"][-1, 3:], 1e-6
+    turns = (multiply(exponential(tuple(v)), shaft.orientation) for v in (size * np.eye(3)).tolist())
+    moved = ({**scene.poses, "shaft": shaft._replace(orientation=turn)} for turn in turns)
+    slope = np.array([joint.rows(poses)[0][-1] for poses in moved])
+    assert slope / np.linalg.norm(slope) == pytest.approx(row, abs=1e-6)

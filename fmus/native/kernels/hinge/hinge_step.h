@@ -151,7 +151,7 @@ static inline int is_open_across(const Hinge *hinge, const Motion *new, Reason *
     const double bent = sqrt(one * one + other * other); /* hypot needs a younger C library, and both are below pi */
     if (!(bent > FOLDED)) return 1;
     return refuse(why, "the hinge is bent by %.0f deg across its line, where the angle about it has no meaning; stiffen"
-                  " it across (cross_stiffness of a scene's joints)", bent * 57.29577951308232);
+                  " it across (cross_stiffness of a scene's joints), or stop a universal joint before", bent * 57.29577951308232);
 }
 
 /* One step; the inputs are those of its end. Commands act from its start. */

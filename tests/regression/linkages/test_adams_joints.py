@@ -1,0 +1,69 @@
+"""Joints between placed bodies against figures that Adams computed.
+
+Project Chrono publishes them as validation data (github.com/projectchrono/chrono, data/testing/joints): positions of
+the centre of a pendulum of 1 kg with moments of inertia of 0.04, 0.1 and 0.1 kg.m2, gravity 9.80665 m/s2 along -z.
+"""
+
+from math import sqrt
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+import orchestrator as fanfold
+
+GRAVITY = 9.80665
+A = sqrt(0.5)
+
+
+def scene_of(name, until, place, points, **header):
+    """A pendulum above a ground whose point `pin` is at the origin; x is its long axis."""
+    scene = fanfold.Scene(
+        name, until=until, gravity=(0, 0, -GRAVITY), tolerance=1e-5, preload=False, **header
+    )
+    scene.joint(radial_stiffness=5e6, cross_stiffness=1e6)
+    scene.base("ground", points={"pin": (0, 0, 0)})
+    rigid = {"mass": 1, "inertia": (0.04, 0.1, 0.1), "points": points}
+    scene.body("pendulum", rigid=rigid, place={"body": "ground", "point": "pin", **place})
+    return scene
+
+
+def joined(scene, preset, axes):
+    ports = {"inboard": {"body": "ground", "point": "pin"}, "outboard": {"body": "pendulum", "point": "end"}}
+    scene.connection("joint", "hinge", ports=ports, preset=preset, axes=axes)
+
+
+def path(scene, times):
+    """Positions (m) of the centre of the pendulum at times of the run, by cubics between rows."""
+    result = fanfold.simulate(scene, estimate=False)
+    return CubicSpline(result.time, result["pendulum", "frame_position"][:])(times)
+
+
+UNIVERSAL = {
+    0.4: (1.31281, 1.31299, -0.743355),
+    0.8: (0.205825, 0.215344, -1.97769),
+}
+"""Universal_Case03 (m over s): both axes of the cross oblique to the motion."""
+
+
+def test_a_universal_joint():
+    """Adams' table to its six digits; with the axes of the cross exchanged it is 0.01 m off."""
+    scene = scene_of(
+        "universal", 0.8, {"offset": (2 * A, 2 * A, 0), "orientation": {"x": (A, A, 0)}}, {"end": (-2, 0, 0)}
+    )
+    joined(scene, "universal", {"x": (-0.5, 0.5, A), "z": (A, A, 0)})
+    error = path(scene, list(UNIVERSAL)) - np.array(list(UNIVERSAL.values()))
+    assert np.abs(error).max() < 1e-5
+
+
+def test_a_prismatic_joint():
+    """Closed form: on a slope of 45 deg the way is g sin(45 deg) t^2 / 2, and the body keeps its attitude.
+
+    A load off the line turns nothing; joints give by its torque of 14 N.m over 1e6 N.m/rad.
+    """
+    scene = scene_of("prismatic", 0.5, {}, {"end": (0, 0, 2)})
+    joined(scene, "prismatic", {"x": (A, 0, -A), "z": (A, 0, A)})
+    result = fanfold.simulate(scene, estimate=False)
+    way = 0.5 * GRAVITY * A * 0.5**2
+    moved = result["pendulum", "frame_position"][-1] - result["pendulum", "frame_position"][0]
+    assert np.abs(moved - np.array((A, 0, -A)) * way).max() < 1e-5 * way + 2 * 14 / 1e6
+    assert np.abs(result["pendulum", "frame_orientation"][:][:, 1:]).max() < 14 / 1e6
