@@ -121,6 +121,15 @@ def panel_on_a_spacecraft(found, folder):
     assert found["error"][0.04] / found["error"][0.02] == pytest.approx(4.0, rel=0.1)
 
 
+def spinning_deployment(found, folder):
+    """Conservation of angular momentum about the axis of the spin; what rings after the latch-up is symmetric."""
+    assert found["start"].angular_momentum[2] == pytest.approx(10.004 * np.pi * 20 / 30, rel=1e-4)
+    assert sorted(found["result"].latch_times) == ["HL_left", "HL_right"]
+    assert found["spin"][-1] == pytest.approx(
+        found["start"].angular_momentum[2] / found["deployed"], rel=1e-4
+    )
+
+
 def two_bodies(found, folder):
     """Orders 2 and 4 of the closed form, and an energy that no step size changes."""
     errors = found["errors"]

@@ -25,6 +25,7 @@ from ..scene.body_tables import Body, Fidelity
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.initial_assembly import Closed
+from ..scene.loops.rates import momenta
 from ..validity.before_run import warnings_before_run
 from ..validity.cable_loops import loop_travels
 
@@ -82,6 +83,18 @@ class LoopOverview:
 
 
 @dataclass(frozen=True)
+class StartMotion:
+    """All bodies that move freely at the start: kinetic energy (J), momentum (N.s), angular momentum (N.m.s).
+
+    Momenta in world axes; the angular one about the world's origin.
+    """
+
+    kinetic_energy: float
+    linear_momentum: Vector3
+    angular_momentum: Vector3
+
+
+@dataclass(frozen=True)
 class Sketch:
     """What a picture of one configuration shows, in world axes (m), by name.
 
@@ -111,6 +124,8 @@ class SceneCheck:
     """kind of every other connection by name"""
     agreements: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     """what the agreement check found of every imported body"""
+    start_motion: StartMotion | None = None
+    """None where everything starts at rest"""
     stowed: Sketch | None = None
     deployed: Sketch | None = None
 
@@ -125,6 +140,7 @@ class SceneCheck:
             "loops": [asdict(loop) for loop in self.loops],
             "connections": dict(self.connections),
             "agreements": {name: dict(found) for name, found in self.agreements.items()},
+            "start_motion": None if self.start_motion is None else asdict(self.start_motion),
         }
 
 
@@ -165,6 +181,7 @@ def check_scene(
             **{connection.name: connection.kind for connection in scene.connections},
         },
         agreements=_agreements(scene),
+        start_motion=_start_motion(scene),
         stowed=_sketch(scene, models, scene.poses),
         deployed=_sketch(scene, models, far.poses),
     )
@@ -178,6 +195,19 @@ def _agreements(scene: PlacedScene) -> dict[str, dict[str, str]]:
         for body in scene.bodies
         if body.name in definitions and (imported := definitions[body.name].imported) is not None
     }
+
+
+def _start_motion(scene: PlacedScene) -> StartMotion | None:
+    """Energy and momenta of what moves at the start and follows no law."""
+    moving = [name for name in scene.rigid_models if name in scene.rates and name not in scene.motions]
+    energy, linear, angular = 0.0, np.zeros(3), np.zeros(3)
+    for name in moving:
+        model, pose, rates = scene.rigid_models[name], scene.poses[name], scene.rates[name]
+        momentum, spin = momenta(model, pose, rates)
+        energy += 0.5 * float(momentum @ momentum / model.mass + spin @ rates[3:])
+        linear = linear + momentum
+        angular = angular + spin + np.cross(pose.place(_triple(model.center_of_mass)), momentum)
+    return StartMotion(energy, _triple(linear), _triple(angular)) if moving else None
 
 
 def _out_of_reach(scene: PlacedScene, far: Closed, bends: Mapping[str, bool]) -> Iterator[str]:

@@ -14,7 +14,9 @@ from components.contract.roles import (
     LATCH_COMMAND,
     RELEASE_COMMAND,
 )
+from components.drive import Drive
 from components.end_stop import OF_HINGE, EndStop
+from components.point_motion import PointMotion
 
 from ..scene.component_connections import in_range, number_of, value_of
 from ..scene.event_tables import Event as EventTable
@@ -26,6 +28,8 @@ from . import Condition, Event, HingeLine, Part, Setting
 RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 """Inputs by which a component lets go."""
 _SCALAR = re.compile(r"([\w.]+)(?:\[(\d+)\])?")
+_COUPLINGS = (Drive.kind, PointMotion.kind)
+"""Components that lead by a law, through a stiffness and a damping."""
 _OF_A_MOTOR_SPRING = ("motor_stiffness", "motor_wind_up", "motor_constant_torque")
 """Parameters of a hinge that do nothing where its motor is a table."""
 _ACT_IN_LATCHES = {"latch_stiffness": ("spring",), "latch_damping": ("spring", "table")}
@@ -101,9 +105,14 @@ class _EventReader:
             return event.also(releases=self._with_stop(part))
         if CUT.name in component.parameter_layout:
             return event.also(settings=(Setting(part.name, CUT.name, 1.0, CUT.unit),))
+        if part.kind in _COUPLINGS:
+            units = {q.name: q.unit for q in component.parameter_layout.quantities}
+            return event.also(
+                settings=tuple(Setting(part.name, x, 0.0, units[x]) for x in ("stiffness", "damping"))
+            )
         self.problems.append(
-            f"{key}: {part.name} is a {part.kind}, which cannot be released; hinges, hold-downs and cable loops can. "
-            "Set a parameter of it instead, such as a stiffness"
+            f"{key}: {part.name} is a {part.kind}, which cannot be released; hinges, hold-downs, cable loops, drives "
+            "and point motions can. Set a parameter of it instead, such as a stiffness"
         )
         return event
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rich.table import Table
 
-from ..analysis.scene_check import BodyOverview, LineOverview, LoopOverview, SceneCheck
+from ..analysis.scene_check import BodyOverview, LineOverview, LoopOverview, SceneCheck, StartMotion
 from ..scene.units import degrees_text
 from .tables import table_of
 
@@ -26,6 +26,8 @@ def scene_tables(found: SceneCheck) -> Iterator[Table]:
     if found.loops:
         numbers = ("radii,\nmm", "travels,\ndeg", "mismatch,\nmm")
         yield _table("cable loops", ("loop", "from, to"), numbers, map(_loop, found.loops))
+    if found.start_motion is not None:
+        yield _table("motion at the start", ("", ""), (), _motion(found.start_motion))
     if found.connections:
         yield _table("connections", ("name", "kind"), (), found.connections.items())
 
@@ -88,3 +90,13 @@ def _loop(loop: LoopOverview) -> tuple[str, ...]:
     radii = " and ".join(f"{1e3 * radius:g}" for radius in loop.radii)
     unshared = "" if loop.travels is None else f"{round(1e3 * loop.mismatch, 3) + 0.0:g}"
     return loop.name, ", ".join(loop.bodies), radii, travels, unshared
+
+
+def _motion(start: StartMotion) -> Iterator[tuple[str, str]]:
+    """Energy and momenta, world axes."""
+    yield "kinetic energy, J", f"{start.kinetic_energy:.5g}"
+    for name, values in (
+        ("linear momentum, N.s", start.linear_momentum),
+        ("angular momentum about the origin, N.m.s", start.angular_momentum),
+    ):
+        yield name, ", ".join(f"{round(value, 9) + 0.0:.5g}" for value in values)

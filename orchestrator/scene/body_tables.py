@@ -17,7 +17,7 @@ from .construction.panel_tables import PanelTable
 from .construction.part import Flag, PartTable
 from .damping import StructuralDamping
 from .table import ORIGIN, Direction, Inertia, Name, Place, Table
-from .units import Coordinate, Frequency, Mass, MomentOfInertia, Position, Ratio
+from .units import AngularVelocity, Coordinate, Frequency, Mass, MomentOfInertia, Position, Ratio, Velocity
 
 Fidelity = Literal["rigid", "flexible", "large_deformation"]
 
@@ -31,6 +31,20 @@ class Inertial(Table):
     """Centre of mass, axes of the body."""
     inertia: Inertia
     """About the centre of mass: three principal moments, or xx, yy, zz, xy, xz, yz of the tensor."""
+
+
+class FreeBase(Inertial):
+    """Mass properties of a spacecraft that moves under the loads, and how it moves at the start."""
+
+    velocity: Velocity = ORIGIN
+    """Velocity of its centre of mass at the start."""
+    angular_velocity: AngularVelocity = ORIGIN
+    """Angular velocity at the start."""
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether it moves at the start."""
+        return any((*self.velocity, *self.angular_velocity))
 
 
 class RigidBody(Inertial):
@@ -80,7 +94,7 @@ class Base(Table):
     """Name of the spacecraft."""
     points: dict[Name, Position]
     """Positions by name, axes of the base, that connections use."""
-    free: Inertial | None = None
+    free: FreeBase | None = None
     """Mass properties of a spacecraft that moves under the loads."""
     motion: Motion | None = None
     """Prescribed motion of the spacecraft."""
@@ -126,6 +140,10 @@ class Body(Table):
     """Where the origin of a body that no hinge line carries starts, offset in world axes; loops close from there."""
     motion: Motion | None = None
     """Prescribed motion of a placed body, which is rigid."""
+    velocity: Velocity | None = None
+    """Velocity of the centre of mass of a placed body at the start, world axes; by default what joints require."""
+    angular_velocity: AngularVelocity | None = None
+    """Angular velocity of a placed body at the start, world axes; by default what joints require."""
     like: Name | None = None
     """Another body of the scene, whose keys apply unless set here."""
     catalogue: str | None = None
@@ -231,6 +249,20 @@ class Body(Table):
     def _moved_from_a_place(self) -> Self:
         if self.motion is not None and self.place is None and self.like is None:
             raise ValueError("a motion starts from where the body is placed; give its place")
+        return self
+
+    @model_validator(mode="after")
+    def _starts_one_way(self) -> Self:
+        if (self.velocity, self.angular_velocity) == (None, None) or self.like is not None:
+            return self
+        if self.motion is not None:
+            raise ValueError(
+                "its motion says how it moves at the start; leave out velocity and angular_velocity"
+            )
+        if self.place is None:
+            raise ValueError(
+                "hinge lines carry this body, so its velocity follows from theirs; give their start_rate instead"
+            )
         return self
 
     @model_validator(mode="after")

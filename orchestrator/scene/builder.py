@@ -169,16 +169,17 @@ class Scene:
     def body(self, name: str, **keys: object) -> str:
         """Add a [[body]]: panel, frame, beam, import, catalogue, or rigid: mass, center_of_mass, inertia and points.
 
-        Further keys: like, rigid_twin, place, motion, fidelity, fixed_interface_modes, second_order_modes,
-        inertia_coupling, damping_ratio, structural_damping, damping_scale, modes_off, frequencies_off, attached_masses.
+        Further keys: like, rigid_twin, place, motion, velocity, angular_velocity, fidelity, fixed_interface_modes,
+        second_order_modes, inertia_coupling, damping_ratio, structural_damping, damping_scale, modes_off,
+        frequencies_off, attached_masses.
         """
         return self._add("body", Body, {"name": name, **keys})
 
     def hinge_line(self, name: str, inboard: str, outboard: str, *, hinges: Hinges, **keys: object) -> str:
         """Add a [[hinge_line]] between two bodies by name: axis, aligned_angle, motor, friction, latch, end stop.
 
-        Further keys: stowed_angle, start_angle, latch_angle, held, motor, harness, friction_preload, presliding, latch,
-        end_stop.
+        Further keys: stowed_angle, start_angle, start_rate, latch_angle, held, motor, harness, friction_preload,
+        presliding, latch, end_stop.
         Keys of a hinge: kind, translational_stiffness, rotational_stiffness, harness, sensor.
         """
         tables = (

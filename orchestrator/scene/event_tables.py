@@ -39,7 +39,7 @@ class Event(Table):
     when: When | None = None
     """Condition on which it happens, in place of a time."""
     release: tuple[str, ...] = ()
-    """Names of hold-downs, joints, or hinge lines for all their hinges, that let go."""
+    """Names that let go: hold-downs, joints, drives, point motions, or hinge lines for all their hinges."""
     set: dict[str, dict[str, Any]] = Field(default_factory=dict)
     """Values by component or line, and by tunable parameter or command."""
 

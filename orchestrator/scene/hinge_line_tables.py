@@ -21,6 +21,7 @@ from .units import (
     Distance,
     FrictionTorque,
     MomentOfInertia,
+    OpeningRate,
     PositiveAngle,
     PositiveFrequency,
     PositiveRatio,
@@ -349,6 +350,8 @@ class HingeLine(Table):
     """Hinge angle of the stowed configuration."""
     start_angle: Angle | None = None
     """Hinge angle at which a run begins; by default the stowed angle."""
+    start_rate: OpeningRate | None = None
+    """Hinge rate at which a run begins, positive opening; by default 0, or what loops and cable loops require."""
     latch_angle: Angle | None = None
     """Hinge angle at which it latches; by default the aligned angle."""
     held: bool = False
@@ -453,6 +456,8 @@ class HingeLine(Table):
             raise ValueError(
                 f"end_stop is at {stop:g} deg and the line starts at {start:g} deg; a stop must be beyond the start"
             )
+        if self.held and self.start_rate:
+            raise ValueError("a held line does not move; leave out start_rate or held")
         if self._starts_beyond_its_latch:
             start, latch = degrees(self.initial_angle), degrees(self.deployed_angle)
             raise ValueError(

@@ -31,7 +31,7 @@ _EXTENDS, _VARIANT, _REMOVE, _LIKE = "extends", "variant", "remove", "like"
 _HDF5 = b"\x89HDF"
 """What files of results begin with."""
 _MOTOR, _WAYS_OF_MOTORS = "motor", (("stowed", "deployed"), ("angle", "torque", "closing_torque"))
-_OWN = ("name", "place")
+_OWN = ("name", "place", "velocity", "angular_velocity")
 """Keys that a body does not share with those that are like it."""
 
 

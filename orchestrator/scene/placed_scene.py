@@ -31,7 +31,7 @@ from .line_inertia import line_inertia
 from .loops.constraints import Constraint, Vector, constraints, farthest
 from .loops.coupled_lines import CoupledLines, coupled_lines
 from .loops.initial_assembly import Closed, Weight, acts, closed
-from .loops.rates import start_rates
+from .loops.rates import Standing, StartRates, start_rates
 from .schema import SceneTables
 from .table import SceneError
 
@@ -123,9 +123,31 @@ class PlacedScene(SceneTables):
         return {c.connection: float(np.abs(c.rows(self.poses)[0]).max()) for c in held}
 
     @cached_property
+    def displaceable(self) -> Mapping[str, Weight]:
+        """Placed bodies that loops displace as they close."""
+        placed = [b.name for b in self.bodies if b.place is not None and b.name not in self.motions]
+        return {name: Weight.of(self.rigid_models[name]) for name in placed}
+
+    @cached_property
+    def start_rates(self) -> StartRates:
+        """Rates of bodies at the start, and what given ones contradict."""
+        return start_rates(
+            Standing(
+                self,
+                self.poses,
+                self.points,
+                self.rigid_models,
+                self.motions,
+                self.displaceable,
+                self.constraints,
+                self.coupled_lines,
+            )
+        )
+
+    @property
     def rates(self) -> Mapping[str, Vector]:
         """Velocity of the origin and angular velocity (6,) of every body that moves at the start, world axes."""
-        return start_rates(self.base.name, self.poses, self.motions, self._closing, self._displaceable)
+        return self.start_rates.rates
 
     def effective_inertia(self, line: HingeLine) -> float:
         """Effective inertia (kg.m2) of a line as it latches, see `line_inertia`; SceneError where it has none."""
@@ -171,20 +193,14 @@ class PlacedScene(SceneTables):
         return seated(connection, self.points, self.poses)
 
     @cached_property
-    def _displaceable(self) -> Mapping[str, Weight]:
-        """Placed bodies that loops displace as they close."""
-        placed = [b.name for b in self.bodies if b.place is not None and b.name not in self.motions]
-        return {name: Weight.of(self.rigid_models[name]) for name in placed}
-
-    @cached_property
     def _closing(self) -> list[Constraint]:
         """Constraints on these bodies."""
-        return [c for c in self.constraints if acts(c, set(self._displaceable))]
+        return [c for c in self.constraints if acts(c, set(self.displaceable))]
 
     def _closed(self, shares: Sequence[float]) -> Closed:
         """Closed with motions at these shares of their travel, one after the other."""
         return closed(
-            self.written_poses, self._closing, self._displaceable, [(s, self._led(s)) for s in shares]
+            self.written_poses, self._closing, self.displaceable, [(s, self._led(s)) for s in shares]
         )
 
     def _led(self, share: float) -> Mapping[str, StartPose]:

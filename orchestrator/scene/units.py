@@ -36,7 +36,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "Hz": {"Hz": 1.0, "kHz": 1e3},
     "m/s": {"m/s": 1.0, "mm/s": 1e-3},
     "m/s2": {"m/s2": 1.0, "mm/s2": 1e-3},
-    "rad/s": {f"{unit}/s": factor for unit, factor in _TURNING.items()},
+    "rad/s": {f"{unit}/s": factor for unit, factor in _TURNING.items()} | {"rpm": pi / 30.0},
     "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "kg.m2": {"kg.m2": 1.0},
     "kg.m": {"kg.m": 1.0},
@@ -152,10 +152,13 @@ Coordinate = Annotated[float, quantity("m")]
 Interval = Annotated[tuple[float, float], vector("m", count=2)]
 PlanePosition = Annotated[tuple[float, float], vector("m", count=2)]
 Position = Annotated[Vector3, vector("m")]
+Velocity = Annotated[Vector3, vector("m/s")]
+AngularVelocity = Annotated[Vector3, vector("rad/s")]
 Acceleration = Annotated[Vector3, vector("m/s2")]
 Angle = Annotated[float, quantity("rad", largest=LARGEST_TURN)]
 PositiveAngle = Annotated[float, quantity("rad", "positive", LARGEST_TURN)]
 AngularRate = Annotated[float, quantity("rad/s", "positive")]
+OpeningRate = Annotated[float, quantity("rad/s")]
 PeakRate = Annotated[float, quantity("rad/s", "zero or positive")]
 Duration = Annotated[float, quantity("s", "positive")]
 Frequency = Annotated[float, quantity("Hz", "zero or positive")]

@@ -123,12 +123,13 @@ def _bolted_on_the_way(scene: PlacedScene) -> Iterator[str]:
     """Hold-downs across lines that start away from their stowed angle."""
     for line in scene.hinge_lines:
         away = line.initial_angle - line.stowed_angle
-        if line.held or abs(away) <= _AWAY:
+        if line.held or (abs(away) <= _AWAY and not line.start_rate):
             continue
         for bolt in bolts_across(scene, [line.name]):
             yield (
                 f"connection.{bolt}: it grips at the start of the run, where {line.name} is {degrees(away):.3g} "
-                "deg from its stowed angle. Remove hold-downs that are released before."
+                f"deg from its stowed angle and turns at {degrees(line.start_rate or 0.0):.3g} deg/s. Remove "
+                "hold-downs that are released before."
             )
 
 
@@ -157,13 +158,13 @@ def _turned_to_close(scene: PlacedScene) -> Iterator[str]:
 
 
 def _moving_from_rest(scene: PlacedScene) -> Iterator[str]:
-    """Motion laws with an initial rate in a start from static equilibrium."""
+    """Bodies with an initial rate in a start from static equilibrium."""
     if not scene.header.preload:
         return
     if names := ", ".join(name for name, rate in scene.rates.items() if np.abs(rate).max() > _NO_RATE):
         yield (
-            f"scene.preload: motion laws move {names} with a rate at t = 0, but the run starts from static "
-            "equilibrium, which is a sudden load. Let the laws start at rest, or remove preload."
+            f"scene.preload: {names} start with a rate, but the run starts from static equilibrium, in which "
+            "inertia loads of the rate are missing: they act suddenly. Start at rest, or remove preload."
         )
 
 

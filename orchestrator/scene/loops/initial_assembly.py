@@ -84,7 +84,7 @@ def close(
         open_by, slopes = jacobian(held, poses, names)
         if np.abs(open_by).max() < _CLOSED:
             break
-        step = -least_displacements(slopes, open_by, [poses[name] for name in names], list(weights.values()))
+        step = -least(slopes, open_by, units([poses[name] for name in names], list(weights.values())))
         longest = float(np.abs(step).max())
         poses = displaced(poses, names, step * min(1.0, _LONGEST / max(longest, 1e-300)))
     return poses
@@ -132,18 +132,21 @@ def acts(constraint: Constraint, placed: Set[str]) -> bool:
     return bool({constraint.inboard.body, constraint.outboard.body} & placed)
 
 
-def least_displacements(
-    slopes: Matrix, sought: Vector, poses: Sequence[StartPose], weights: Sequence[Weight]
-) -> Vector:
-    """Displacements of the bodies' origins and turns (6 a body) that make the sought change, as little as can be.
+def units(poses: Sequence[StartPose], weights: Sequence[Weight]) -> Matrix:
+    """Displacements of the bodies' origins and turns (6 a body) that weigh the same, as columns.
 
-    slopes: (rows, 6 a body). Displacements of centres of mass are weighed by mass and turns by the mean moment of
-    inertia, so that it is the same wherever bodies have their origins.
+    Displacements of centres of mass are weighed by mass and turns by the mean moment of inertia, so that what is least
+    is the same wherever bodies have their origins.
     """
-    unit = np.zeros((slopes.shape[1], slopes.shape[1]))
+    unit = np.zeros((6 * len(weights), 6 * len(weights)))
     for k, (pose, weight) in enumerate(zip(poses, weights, strict=True)):
         arm = skew(np.array(rotate(pose.orientation, weight.center)))
         moving = np.block([[np.eye(3), arm], [np.zeros((3, 3)), np.eye(3)]])
         unit[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = moving / np.repeat(np.sqrt(weight[:2]), 3)
+    return unit
+
+
+def least(slopes: Matrix, sought: Vector, unit: Matrix) -> Vector:
+    """The least of what makes a sought change (rows,); slopes: (rows, n); unit: what weighs the same, as columns."""
     found: Vector = unit @ np.linalg.lstsq(slopes @ unit, sought, rcond=RANK)[0]
     return found

@@ -1,7 +1,13 @@
-"""Rates at the start: those of laws, and of what joints carry along; closed forms of a chain, a turning base, a run."""
+"""Rates at the start: those of laws, given ones, and of what joints carry along.
+
+Closed forms of a chain, a turning base, tops (Euler, Jacobi) and cable loops; equations of Lagrange of two mechanisms
+that the library of multibody benchmarks of IFToMM has: a double four-bar through its singular position, a governor.
+"""
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ellipj
 
 import orchestrator as fanfold
 from orchestrator.assembly.assemble import assemble
@@ -95,3 +101,213 @@ def test_what_hangs_on_a_turning_base_turns_with_it():
     radius = (1.0 - 0.2 + LINK / 2) * np.array((np.cos(lead), np.sin(lead), 0.0))
     assert found["arm"][1] == pytest.approx((0, 0, 2.0), abs=1e-12)
     assert found["arm"][0] == pytest.approx(np.cross((0, 0, 2.0), radius), abs=1e-12)
+
+
+INERTIA = np.array((10.0, 20.0, 25.0))  # kg.m2
+GRAVITY = 9.81
+
+
+def top(inertia, spin, until):
+    """Nothing acts on a free base of these moments of inertia that starts with a spin (rad/s) and drifts."""
+    scene = fanfold.Scene("top", until=until)
+    free = {"mass": 100.0, "center_of_mass": (0.3, 0, 0), "inertia": list(inertia), "velocity": (0.1, 0, 0)}
+    base = scene.base(points={"a": (0, 0, 0)}, free={**free, "angular_velocity": list(spin)})
+    scene.connection("idle", "load", ports={"body": {"body": base, "point": "a"}})
+    return fanfold.simulate(scene, tolerance=1e-5, estimate=False)
+
+
+@pytest.mark.filterwarnings("ignore:.*W-idle-load")
+def test_a_tumbling_body_follows_eulers_equations():
+    """Closed form of an asymmetric body by Jacobi's elliptic functions, and conservation of energy and momenta."""
+    one, three = 0.8, 0.9  # rad/s about the axes of least and largest inertia
+    found = top(INERTIA, (one, 0.0, three), 30.0)
+    a, b, c = INERTIA
+    energy, momentum = a * one**2 + c * three**2, (a * one) ** 2 + (c * three) ** 2
+    assert momentum > energy * b  # else the roles of the first and the third axis change
+    pace = np.sqrt((c - b) * (momentum - energy * a) / (a * b * c))
+    sn, cn, dn, _ = ellipj(
+        pace * found.time, (b - a) * (energy * c - momentum) / ((c - b) * (momentum - energy * a))
+    )
+    second = np.sqrt((energy * c - momentum) / (b * (c - b)))
+    expected = np.column_stack((one * cn, second * sn, three * dn))
+    assert np.ptp(expected, axis=0).min() > 0.1
+    assert np.abs(found["base", "attitude_rate"][:] - expected).max() < 1e-5 * three * pace * 30.0
+    center = found["base", "frame_position"][-1] + found_axes(found)[-1] @ (0.3, 0, 0)
+    assert center == pytest.approx((0.3 + 0.1 * 30.0, 0, 0), abs=1e-9)
+    for name in ("kinetic_energy", "linear_momentum", "angular_momentum"):
+        values = found["base", name][:]
+        assert np.abs(values - values[0]).max() < 1e-12 * np.abs(values).max()
+
+
+@pytest.mark.filterwarnings("ignore:.*W-idle-load")
+def test_an_axisymmetric_top_precesses():
+    """Closed form: the axis turns about the angular momentum L at L / A, the spin within the body at (C - A) / A."""
+    found = top((20.0, 20.0, 30.0), (0.3, 0.0, 1.0), 20.0)
+    turn = (30.0 - 20.0) / 20.0 * 1.0 * found.time
+    expected = np.column_stack((0.3 * np.cos(turn), 0.3 * np.sin(turn), np.ones(turn.size)))
+    assert np.abs(found["base", "attitude_rate"][:] - expected).max() < 1e-5 * turn[-1]
+    momentum = np.array((6.0, 0.0, 30.0))
+    along, angle = momentum / np.linalg.norm(momentum), np.linalg.norm(momentum) / 20.0 * found.time
+    axis, across = np.array((0.0, 0.0, 1.0)), np.cross(along, (0.0, 0.0, 1.0))
+    ahead = np.outer(np.cos(angle), axis - along[2] * along) + np.outer(np.sin(angle), across)
+    assert np.abs(found_axes(found)[:, :, 2] - along[2] * along - ahead).max() < 1e-5 * angle[-1]
+
+
+def found_axes(result):
+    """Rotation matrices (N, 3, 3) of the base."""
+    w, x, y, z = result["base", "frame_orientation"][:].T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def joined(scene, name, preset, axis, inboard, outboard):
+    """A joint between two points, (body, point)."""
+    across = (0, 0, 1) if axis != (0, 0, 1) else (1, 0, 0)
+    ports = {
+        side: {"body": body, "point": point}
+        for side, (body, point) in (("inboard", inboard), ("outboard", outboard))
+    }
+    scene.connection(name, "hinge", preset=preset, axes={"x": axis, "z": across}, ports=ports)
+
+
+def slender(mass, length, far):
+    points = {"a": (0, 0, 0), "b": (far, 0, 0)}
+    inertia = (1e-4, mass * length**2 / 12.0, mass * length**2 / 12.0)
+    return {"mass": mass, "center_of_mass": (length / 2, 0, 0), "inertia": inertia, "points": points}
+
+
+def test_a_double_four_bar_passes_its_singular_position():
+    """Lagrange: 3 a'' = -3.5 g cos a of five rods of 1 m and 1 kg, upright at 1 rad/s; singular where a = 0.
+
+    The rate of one crank is given; those of the other four bodies follow. Joints of 5e6 N/m yield by 1e-5 m.
+    """
+    scene = fanfold.Scene("double_four_bar", until=0.8, gravity=(0, 0, -GRAVITY), preload=False)
+    scene.base("ground", points={f"p{i}": (float(i), 0, 0) for i in range(3)})
+    rod, up = slender(1.0, 1.0, 1.0), {"x": (0, 0, 1), "z": (-1, 0, 0)}
+    for i in range(3):
+        given = {"angular_velocity": (0, 1.0, 0)} if i == 0 else {}
+        place = {"body": "ground", "point": f"p{i}"}
+        scene.body(f"crank{i}", rigid=rod, place={**place, "orientation": up}, **given)
+        joined(scene, f"foot{i}", "revolute", (0, 1, 0), ("ground", f"p{i}"), (f"crank{i}", "a"))
+        if i < 2:
+            scene.body(f"coupler{i}", rigid=rod, place={**place, "offset": (0, 0, 1.0)})
+    for i in range(2):
+        joined(scene, f"left{i}", "revolute", (0, 1, 0), (f"crank{i}", "b"), (f"coupler{i}", "a"))
+        joined(scene, f"right{i}", "revolute", (0, 1, 0), (f"coupler{i}", "b"), (f"crank{i + 1}", "b"))
+    start = fanfold.check_scene(scene).start_motion
+    assert start.kinetic_energy == pytest.approx(1.5, rel=1e-9)
+    assert start.linear_momentum == pytest.approx((3.5, 0, 0), abs=1e-9)
+    found = fanfold.simulate(scene, tolerance=1e-4, estimate=False)
+    w, x, y, z = found["crank2", "frame_orientation"][:].T
+    angle = np.unwrap(np.arctan2(2 * (x * z - w * y), 1 - 2 * (y * y + z * z)))
+
+    def rates(_, state):
+        return state[1], -3.5 * GRAVITY * np.cos(state[0]) / 3.0
+
+    expected = solve_ivp(rates, (0, 0.8), (np.pi / 2, -1.0), rtol=1e-10, atol=1e-10, t_eval=found.time).y[0]
+    assert expected[-1] < -0.3
+    assert np.abs(angle - expected).max() < 5e-4
+    assert found.headline.energy_residual < 2e-4
+
+
+def test_a_governor_trades_spin_for_height():
+    """Lagrange with conserved angular momentum: two arms with balls lift a collar that two links hang on."""
+    lean, rate, until = np.pi / 6, 2 * np.pi, 0.5
+    scene = fanfold.Scene("governor", until=until, gravity=(0, 0, -GRAVITY), preload=False)
+    scene.base("ground", points={"o": (0, 0, 0)})
+    foot = {"body": "ground", "point": "o"}
+    shaft = {"mass": 0.3, "inertia": (0.025, 0.025, 5e-4), "points": {"o": (0, 0, 0), "top": (0, 0, 1.0)}}
+    scene.body("shaft", rigid=shaft, place=foot, angular_velocity=(0, 0, rate))
+    s, c = float(np.sin(lean)), float(np.cos(lean))
+    collar = {"mass": 0.1, "inertia": (2e-4,) * 3, "points": {"o": (0, 0, 0)}}
+    scene.body("collar", rigid=collar, place={**foot, "offset": (0, 0, 1.0 - c)})
+    arm = {**slender(5.3, 1.8, 0.5), "inertia": (0.02, 0.3, 0.3)}
+    joined(scene, "bearing", "revolute", (0, 0, 1), ("ground", "o"), ("shaft", "o"))
+    joined(scene, "slider", "cylindrical", (0, 0, 1), ("shaft", "o"), ("collar", "o"))
+    for i, way in enumerate((1.0, -1.0)):
+        out = {"x": (way * s, 0, -c), "z": (way * c, 0, s)}
+        back = {"x": (-way * s, 0, -c), "z": (-way * c, 0, s)}
+        knee = (way * 0.5 * s, 0, 1.0 - 0.5 * c)
+        scene.body(f"arm{i}", rigid=arm, place={**foot, "offset": (0, 0, 1.0), "orientation": out})
+        link = slender(0.15, 0.5, 0.5)
+        scene.body(f"link{i}", rigid=link, place={**foot, "offset": knee, "orientation": back})
+        joined(scene, f"pin{i}", "revolute", (0, 1, 0), ("shaft", "top"), (f"arm{i}", "a"))
+        joined(scene, f"knee{i}", "spherical", (0, 1, 0), (f"arm{i}", "b"), (f"link{i}", "a"))
+        joined(scene, f"heel{i}", "revolute", (0, 1, 0), (f"link{i}", "b"), ("collar", "o"))
+    found = fanfold.simulate(scene, tolerance=1e-4, estimate=False)
+    slim, wide = 0.15 * 0.5**2 / 12.0, 0.3 + 5.3 * 0.81
+
+    def inertias(lean):
+        """About the shaft and of the lean, their slopes, and the slope of the weight's potential."""
+        s, c = np.sin(lean), np.cos(lean)
+        swept = 2 * (wide - 0.02) + 2 * (slim - 1e-4 + 0.15 * 0.0625)
+        about = 5e-4 + 2e-4 + 2 * (0.02 + 1e-4) + swept * s * s
+        of_lean = 2 * wide + 2 * (slim + 0.15 * 0.0625 * c * c + 0.15 * 0.5625 * s * s) + 0.1 * s * s
+        weight = GRAVITY * s * (2 * 5.3 * 0.9 + 2 * 0.15 * 0.75 + 0.1)
+        return about, 2 * swept * s * c, of_lean, 2 * s * c * (2 * 0.15 * 0.5 + 0.1), weight
+
+    momentum = inertias(lean)[0] * rate
+
+    def rates(_, state):
+        about, slope, of_lean, of_slope, weight = inertias(state[0])
+        force = 0.5 * (momentum / about) ** 2 * slope - 0.5 * of_slope * state[1] ** 2 - weight
+        return state[1], force / of_lean
+
+    leans = solve_ivp(rates, (0, until), (lean, 0.0), rtol=1e-10, atol=1e-10, t_eval=found.time).y[0]
+    height = found["collar", "frame_position"][:][:, 2]
+    assert np.ptp(1.0 - np.cos(leans)) > 0.2
+    # joints carry up to 400 N and yield by 8e-5 m at 5e6 N/m
+    assert np.abs(height - 1.0 + np.cos(leans)).max() < 1e-4
+
+
+def cabled(second=None, **first):
+    """Two bars on a base that spins, coupled 2 : 1 by a cable loop; the given rates of both lines."""
+    scene = fanfold.Scene("cabled", until=0.05, preload=False)
+    points = {"a": (0, 0, 0)}
+    free = {"mass": 50.0, "inertia": (5.0,) * 3, "angular_velocity": (0.2, 0, 0.3), "velocity": (0, 1.0, 0)}
+    scene.base(points=points, free=free)
+    bar_of = {"mass": 2.0, "center_of_mass": (0.3, 0, 0), "inertia": (0.01, 0.1, 0.1)}
+    for name in ("one", "two"):
+        scene.body(name, rigid={**bar_of, "points": {"a": (0, 0, 0), "b": (LINK, 0, 0)}})
+    first |= {"aligned_angle": "180 deg", "start_angle": "60 deg"}
+    scene.hinge_line("HL1", "base", "one", axis="+y", hinges={"h1": ("a", "a")}, **first)
+    given = {"aligned_angle": "240 deg"} | ({} if second is None else {"start_rate": second})
+    scene.hinge_line("HL2", "one", "two", axis="-y", hinges={"h2": ("b", "a")}, **given)
+    pulleys = {
+        f"pulley_{n}": {"body": body, "point": "a", "radius": radius}
+        for n, (body, radius) in enumerate((("base", 0.04), ("two", 0.02)), 1)
+    }
+    scene.ccl("loop", preload=1.0, strand_stiffness=1e3, **pulleys)
+    return scene
+
+
+def test_lines_of_a_cable_loop_start_in_their_ratio():
+    """Kinematics: radii of 40 and 20 mm turn the lines 1 : 2; energy and momenta of the check are those of the run."""
+    scene = cabled(start_rate=0.1)
+    found = fanfold.simulate(scene, estimate=False)
+    assert [found[hinge, "angular_rate"][0] for hinge in ("h1", "h2")] == pytest.approx([0.1, 0.2], rel=1e-6)
+    start, bodies = fanfold.check_scene(scene).start_motion, ("base", "one", "two")
+    assert sum(found[body, "kinetic_energy"][0] for body in bodies) == pytest.approx(
+        start.kinetic_energy, rel=1e-9
+    )
+    for name in ("linear_momentum", "angular_momentum"):
+        total = sum(found[body, name][:] for body in bodies)
+        assert total[0] == pytest.approx(getattr(start, name), abs=1e-9)
+        assert total[-1] == pytest.approx(total[0], abs=1e-6 * np.abs(total[0]).max())
+
+
+def test_rates_that_contradict_each_other_are_refused():
+    """Kinematics: lines in a ratio of 1 : 2, and a link that one cannot turn and move along with its foot fixed."""
+    with pytest.raises(fanfold.FanfoldError, match=r"HL2\.start_rate: is 0\.1 rad/s.*HL1.* 0\.2 rad/s"):
+        cabled(start_rate=0.1, second=0.1).check()
+    scene = chain([])
+    lean = float(np.arcsin(HEIGHT / (2 * LINK)))
+    place = {"body": "base", "point": "foot", "orientation": {"x": (np.cos(lean), 0, np.sin(lean))}}
+    scene.body("loose", rigid=bar(2.0), place=place, angular_velocity=(0, 0.5, 0), velocity=(1.0, 0, 0))
+    joined(scene, "foot", "spherical", (0, 1, 0), ("base", "foot"), ("loose", "a"))
+    with pytest.raises(fanfold.FanfoldError, match="rates at the start contradict each other"):
+        scene.check()

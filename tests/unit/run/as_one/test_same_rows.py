@@ -42,6 +42,16 @@ def workbench(latch, **scene):
     )
 
 
+def spinning():
+    """The workbench's panel, already opening, on a spacecraft that spins and drifts."""
+    tree = fanfold.load("workbench").tree
+    free = {"mass": 500.0, "inertia": [200.0] * 3, "velocity": [0.1, 0, 0], "angular_velocity": [0.1, 0, 0.2]}
+    lines = [{**line, "start_rate": 0.1} for line in tree["hinge_line"]]
+    scene = {**tree["scene"], "preload": False}
+    changed = {**tree, "scene": scene, "base": {**tree["base"], "free": free}, "hinge_line": lines}
+    return fanfold.Scene.of_tree("spinning.toml", changed)
+
+
 SCENES = {
     "workbench, spring, events": (lambda: workbench("spring", tolerance=1e-3), 5.0, "all", 3),
     "workbench, kinematic, events": (lambda: workbench("kinematic"), 5.0, "all", 3),
@@ -59,6 +69,7 @@ SCENES = {
         "all",
         0,
     ),
+    "spinning spacecraft, flexible": (spinning, 0.2, (), 0),
     "hold-downs, snubbers": (lambda: fanfold.load(STACK), 5.3, "all", 2),
 }
 """A scene, its end (s), its rigid bodies, and how many events and latch-ups there are."""
