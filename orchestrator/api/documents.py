@@ -13,6 +13,7 @@ from ..results.compare import Comparison
 from ..results.differences import scene_note
 from ..results.result import Result as Record
 from ..results.result import ResultError, reason
+from ..scene.builder import listed
 from .options import OutputFile, Within
 from .result import Result
 from .warnings import warn
@@ -65,6 +66,8 @@ def report(
     path: OutputFile | None = None,
     other: ResultLike | Sequence[ResultLike] | None = None,
     frames: Annotated[int, Within(low=0, high=300)] = 6,
+    require: str | Sequence[str] = (),
+    author: str = "",
 ) -> Path:
     """Write a report of a result as one self-contained HTML file.
 
@@ -78,6 +81,11 @@ def report(
         results to compare with; the first one is also drawn in the 3-D view and in the interactive plots
     frames : int
         number of still pictures for browsers without WebGL2
+
+    require : str or sequence of str
+        requirements in addition to those of the result, such as "latch_rate.HL1 < 15 deg/s"
+    author : str
+        author in the title block; by default the user name of git
 
     Returns
     -------
@@ -106,7 +114,9 @@ def report(
     files = {one.path.resolve() for one in (first, *others) if one.path is not None}
     if target.resolve() in files:
         raise ResultError(f"{target}: this is the result itself and would be lost; name another file")
-    text = html(first, others, frames).encode(errors="replace").decode()  # names of files may be no text
+    text = (
+        html(first, others, frames, listed(require), author).encode(errors="replace").decode()
+    )  # names of files may be no text
     part = target.with_name(f"{target.name}.part")
     try:
         part.write_text(text, encoding="utf-8")

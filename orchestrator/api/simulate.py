@@ -12,6 +12,7 @@ from h5py import is_hdf5
 from fmus import Backend
 
 from ..cosim.ports import Order
+from ..results.requirements import refuse_unknown
 from ..results.result import ResultError
 from ..run.progress import Progress
 from ..run.run import MasterKind
@@ -106,6 +107,14 @@ def as_scene(
     return Scene.load(scene, variant, settings, trust)
 
 
+def with_requirements(scene: SceneLike, require: Names) -> Scene:
+    """A scene with further requirements; SceneError where one of all is on a number that no run of it can have."""
+    found = as_scene(scene).with_requirements(require)
+    for one in found.runs.values():
+        refuse_unknown(one.check())
+    return found
+
+
 def options_of(arguments: Mapping[str, Any]) -> Options:
     """Options of a run among the arguments of a function, by name; see `simulate`."""
     found = {one.name: arguments[one.name] for one in fields(Options) if one.name in arguments}
@@ -140,6 +149,7 @@ def simulate(
     refine: bool = True,
     record: Duration | Literal["all"] = "all",
     signals: Names = (),
+    require: str | Sequence[str] = (),
     replace: bool = True,
     progress: bool | Progress | None = None,
 ) -> Result:
@@ -186,6 +196,8 @@ def simulate(
     signals : str or sequence of str
         signals of the result, by patterns of COMPONENT or COMPONENT.VARIABLE such as "hl1_*"; signals of headline
         numbers are always kept; by default all
+    require : str or sequence of str
+        further requirements, such as "latch_rate.HL1 < 15 deg/s"; see [requirements] of scenes
     replace : bool
         replace an existing result; if False, only a result of the same scene and settings is replaced
     progress : bool or callable, optional
@@ -211,7 +223,7 @@ def simulate(
     >>> result.latch_times
     """
     options = options_of(locals())
-    checked = as_scene(scene).check_one_run()
+    checked = with_requirements(scene, require).check_one_run()
     path = None if save is None else Path(save)
     if path is not None and not replace:
         refuse_to_lose(path, checked, options, estimate)
@@ -312,6 +324,7 @@ def check_scene(
         checked = chosen.check_one_run()
         if problems := chosen.variant_problems():
             raise SceneError(problems)
+        refuse_unknown(checked)
         return look_at(checked, listed(rigid), listed(flexible), listed(large_deformation))
     except SceneError as error:
         return SceneCheck(scene.name if isinstance(scene, Scene) else Path(scene).stem, tuple(error.problems))

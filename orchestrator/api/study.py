@@ -22,7 +22,7 @@ from ..results.signal import matches
 from ..scene.builder import Names, listed
 from .options import OutputFile, Positive, Within
 from .quantities import Duration, Tolerance
-from .simulate import SceneLike, as_scene, options_of
+from .simulate import SceneLike, options_of, with_requirements
 from .warnings import warn
 
 
@@ -71,6 +71,7 @@ def study(
     until: Duration | None = None,
     tolerance: Tolerance | None = None,
     estimate: bool = False,
+    require: str | Sequence[str] = (),
     signals: Names = (),
     points: Annotated[int, Within(low=2)] = 201,
     save: OutputFile | None = None,
@@ -103,6 +104,8 @@ def study(
         see `simulate`
     estimate : bool
         estimate the errors of headline numbers in every run
+    require : str or sequence of str
+        further requirements, such as "latch_rate.HL1 < 15 deg/s"; the margin of each is a number of every sample
     signals : str or sequence of str
         signals to keep, by patterns of COMPONENT.VARIABLE; a warning lists patterns without a match
     points : int
@@ -131,7 +134,7 @@ def study(
     """
     options = changed(options_of(locals()), signals=())  # which the task samples
     plan = Plan(all_varied(vary), method, runs, levels, seed)
-    task = Task(as_scene(scene), options, estimate, listed(signals), points)
+    task = Task(with_requirements(scene, require), options, estimate, listed(signals), points)
     _tell_of_unknown_signals(task)
     path = None if save is None else Path(save)
     found = begin(task, plan, path, workers, cluster, progress or _silent, replace=replace)

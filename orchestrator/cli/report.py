@@ -13,7 +13,11 @@ from .progress import working
 
 
 @made_of(
-    "report", name="report", other={"flags": "--with", "type": EXISTING, "multiple": True, "metavar": "FILE"}
+    "report",
+    name="report",
+    other={"flags": "--with", "type": EXISTING, "multiple": True, "metavar": "FILE"},
+    require={"metavar": "LIMIT"},
+    author={"metavar": "NAME", "show_default": False},
 )
 def command(result: Path, asked: Asked) -> None:
     """Write a report of RESULT as one self-contained HTML file.

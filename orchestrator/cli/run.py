@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from ..run.verify import Verified
     from ..scene.builder import Scene
 
-NOT_OPENED = 3
-"""Exit code of a run that reached its end while a line has not opened that should have."""
+NOT_OPENED, NOT_MET = 3, 4
+"""Exit codes of a run that reached its end: a line has not opened that should have; a requirement is not met."""
 _ALL = {"flags": "--all"}
 
 
@@ -33,6 +33,7 @@ _ALL = {"flags": "--all"}
     "simulate",
     name="run",
     order={"type": Choice({"auto": None, "2": 2, "4": 4}), "default": "auto"},
+    require={"metavar": "LIMIT"},
     every=_ALL,
 )
 def command(
@@ -46,7 +47,8 @@ def command(
 ) -> None:
     """Simulate the deployment of SCENE, a built-in scene or a scene file, and write its result.
 
-    Exit codes: 0, every line that should open has opened; 3, one has not; 1, the run failed; 2, wrong use.
+    Exit codes: 0, every line that should open has opened and every requirement is met; 3, a line has not opened; 4, a
+    requirement is not met; 1, the run failed; 2, wrong use.
 
     Options
     -------
@@ -79,17 +81,17 @@ def command(
         for phase, one in runs.items():
             refuse_to_lose(paths[phase], one.check_one_run(), options_of(options), options["estimate"])
     contents: dict[str, dict[str, object]] = {}
-    opened = True
+    codes: list[int] = []
     for phase, one in runs.items():
         result = fanfold.simulate(one, **options, save=paths[phase], progress=progress)
         verified = result.verify(progress) if verify else None
         contents[phase] = content(result, verified)
-        opened = opened and not result.headline.not_opened
+        codes.append(_code(result))
         if not as_json:
             report(result, verified, every=every)
     if as_json:
         click.echo(json.dumps({"phases": contents} if len(runs) > 1 else contents[next(iter(runs))]))
-    _exit_unless(opened)
+    _exit(codes)
 
 
 def content(result: Result, verified: list[Verified] | None) -> dict[str, object]:
@@ -112,13 +114,21 @@ def resume_command(result: Path, every: bool = False, as_json: bool = False) -> 
         click.echo(json.dumps(content(found, None)))
     else:
         report(found, None, every=every)
-    _exit_unless(not found.headline.not_opened)
+    _exit([_code(found)])
 
 
-def _exit_unless(opened: bool) -> None:
-    """Exit code 3 where a line has not opened that should have."""
-    if not opened:
-        click.get_current_context().exit(NOT_OPENED)
+def _code(result: Result) -> int:
+    """Exit code of one run that reached its end."""
+    found = result.headline
+    if found.not_opened:
+        return NOT_OPENED
+    return 0 if all(one.met for one in found.requirements) else NOT_MET
+
+
+def _exit(codes: list[int]) -> None:
+    """With the code of the runs that are not as they should be; a line that has not opened comes first."""
+    if worst := min(filter(None, codes), default=0):
+        click.get_current_context().exit(worst)
 
 
 def report(result: Result, verified: list[Verified] | None, *, every: bool = False) -> None:

@@ -33,6 +33,7 @@ _LEAST_ROOM = 20
     "study",
     name="study",
     vary={"metavar": "KEY=DISTRIBUTION"},
+    require={"metavar": "LIMIT"},
     points={"needs": "signals"},
     levels={"needs": "method"},
 )
@@ -161,9 +162,11 @@ def _report(study: Study, pictures: list[Path]) -> None:
 
 
 def _opening(study: Study) -> Iterator[str]:
-    """Sentences on runs that open, failure probabilities by line, and runs needed for lower bounds."""
+    """Sentences on requirements, runs that open, failure probabilities by line, and runs needed for lower bounds."""
     from ..analysis.sampling.study import runs_for
 
+    for requirement, missed in study.requirements_met().items():
+        yield f"{requirement}: met in {missed.among - missed.samples} of {missed.among} runs."
     wing = study.wing_not_opening()
     if wing is None:
         return

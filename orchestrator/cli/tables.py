@@ -10,7 +10,13 @@ from rich.console import Console
 from rich.table import Table
 
 from ..results.key_figures import Headline, headline_rows
-from ..results.short_table import LINE_HEADINGS, line_rows, short_rows
+from ..results.short_table import (
+    LINE_HEADINGS,
+    REQUIREMENT_HEADINGS,
+    line_rows,
+    requirement_rows,
+    short_rows,
+)
 
 
 def terminal() -> Console:
@@ -76,6 +82,8 @@ def _of_columns(title: str, columns: Sequence[Column]) -> Table:
 def headline_tables(found: Headline, *, every: bool) -> Iterator[Table]:
     """The headline numbers as tables for a terminal: every one, or a row for each line and those read first."""
     title = None if found.complete else "The run was interrupted; numbers up to there"
+    if rows := requirement_rows(found):
+        yield table_of(None, REQUIREMENT_HEADINGS, rows, ("requirement", "state"))
     if every:
         yield _whole_table(title, found)
         return

@@ -12,6 +12,8 @@ from .result import Result
 _SHOWN = 2
 """Differences in a label."""
 _SETTINGS = ("master", "order", "step", "tolerance", "until")
+JUDGING = "requirements."
+"""Keys of a scene that judge a run and do not change it begin so."""
 _DESCRIPTIVE = ("scene.description", "scene.name")
 
 
@@ -69,7 +71,9 @@ def _asked_for(result: Result) -> dict[str, str]:
         found[fidelity] = ", ".join(map(str, names)) or "none" if isinstance(names, list) else ""
     found |= {name: known[name] for name in _SETTINGS if name in known}
     tree = json_of(known.get("scene_tree", "{}"))
-    found |= {key: text for key, text in leaves("", tree) if key not in _DESCRIPTIVE}
+    found |= {
+        key: text for key, text in leaves("", tree) if key not in _DESCRIPTIVE and not key.startswith(JUDGING)
+    }
     return {
         key: text for key, text in found.items() if not key.startswith("scene.") or key[6:] not in _SETTINGS
     }

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import h5py
 
-from .differences import leaves
+from .differences import JUDGING, leaves
 from .parts import json_of
 from .result import HDF5_ERRORS, ResultError
 
@@ -72,4 +72,5 @@ def _text(file: h5py.File, name: str) -> str:
 
 def _leaves(texts: Mapping[str, str]) -> dict[str, str]:
     """Every setting and every value of the scene by its key."""
-    return {key: text for name in (SETTINGS, _TREE) for key, text in leaves("", json_of(texts[name]))}
+    every = {key: text for name in (SETTINGS, _TREE) for key, text in leaves("", json_of(texts[name]))}
+    return {key: text for key, text in every.items() if not key.startswith(JUDGING)}

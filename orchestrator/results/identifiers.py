@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from components.contract.errors import unknown
+
 _FIXED = {
     "end time": "end_time",
     "latch time": "latch_time",
@@ -30,6 +32,24 @@ _FIXED = {
     "numerical energy loss": "numerical_loss",
     "energy residual": "energy_residual",
 }
+_UNITS = {
+    "end_time": "s",
+    "latch_time": "s",
+    "latch_rate": "rad/s",
+    "latch_energy": "J",
+    "latch_impulse": "N.m.s",
+    "attitude_rate_peak": "rad/s",
+    "motor_energy": "J",
+    "supplied_energy": "J",
+    "energy_exchanged": "J",
+    "numerical_loss": "J",
+    "energy_residual": "1",
+}
+"""SI units of quantities whose identifier does not show it."""
+OF_A_LATCH_UP = (
+    "latch_time", "latch_rate", "latch_energy", "latch_impulse", "latch_torque_peak", "lock_torque_peak",
+)  # fmt: skip
+"""Quantities of a line that has latched."""
 _ENDINGS = ("_peak", "_min", "_max")
 """Extremes of a load, after its variable."""
 _STRAND, _TENSION = "strand", "tension"
@@ -56,6 +76,17 @@ def quantity_identifier(quantity: str) -> str:
 def identifier(quantity: str, of: str) -> str:
     """Identifier of a headline number."""
     return ".".join(filter(None, (quantity_identifier(quantity), of)))
+
+
+def unit_of(quantity: str) -> str:
+    """SI unit of a quantity by its identifier, with or without a component; ValueError if there is no such quantity."""
+    name = quantity.partition(".")[0]
+    if not _is_quantity(name):
+        known = list(dict.fromkeys(_FIXED.values()))
+        raise ValueError(f"{name} {unknown(name, known, 'headline number')}")
+    if name in _UNITS:
+        return _UNITS[name]
+    return "N.m" if "torque" in name else "rad" if "angle" in name or "attitude" in name else "N"
 
 
 def in_order(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from math import degrees, inf, isfinite
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from ..messages import is_note, message
 from ..records import short_repr
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import POINT_PEAKS, Key, error_messages, round_off_of_loads
-from .identifiers import identifier, load_words
+from .identifiers import load_words
 from .latch_impulse import latch_impulses
 from .latch_rate import latch_energies, latch_rates
 from .line_travel import (
@@ -31,8 +31,10 @@ from .line_travel import (
     short_of_stops,
     unlatched_angles,
 )
+from .number import Number
 from .peaks import peak
 from .point_loads import point_loads
+from .requirements import Judged, judged, limits_of, requirements_sentence
 from .result import Result
 from .round_off import noise_floor, rounded_to_floor
 from .signal import EVENT_WIDTH
@@ -48,30 +50,6 @@ _SHOWN = {"1": ("", 1.0), "rad": ("deg", degrees(1.0)), "rad/s": ("deg/s", degre
 def shown(unit: str) -> tuple[str, float]:
     """The unit that people read a number of a unit in, and its factor."""
     return _SHOWN.get(unit, (unit, 1.0))
-
-
-class Number(NamedTuple):
-    """One headline number for people: what, of which component, value, unit, and its estimated error, if known."""
-
-    quantity: str
-    of: str
-    value: float
-    unit: str
-    error: float | None = None
-
-    @property
-    def key(self) -> Key:
-        """Unique key of the number."""
-        return self.quantity, self.of
-
-    @property
-    def id(self) -> str:
-        """Its fixed identifier, such as `latch_time.HL1`, by which commands and files name it."""
-        return identifier(self.quantity, self.of)
-
-    def as_dict(self) -> dict[str, str | float | None]:
-        """Value, unit and estimated error (None where there is none), for JSON."""
-        return {"value": self.value, "unit": self.unit, "estimated_error": self.error}
 
 
 ERRORS_UNKNOWN = message(
@@ -105,6 +83,7 @@ class Headline:
     attitude_at_end: rad. base_load_peaks: magnitude of force
     and torque on the base, by unit. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
+    limits: requirements on these numbers, as they are written.
     slack: strands of cables without tension, and from when to when.
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
@@ -150,6 +129,12 @@ class Headline:
     latch_rates: Mapping[str, float] = field(default_factory=dict)
     latch_energies: Mapping[str, float] = field(default_factory=dict)
     slack: tuple[Slack, ...] = ()
+    limits: tuple[str, ...] = ()
+
+    @property
+    def requirements(self) -> tuple[Judged, ...]:
+        """Every requirement on each number that it is about."""
+        return judged(self.limits, list(self.numbers()), list(self.unlatched_angles)) if self.limits else ()
 
     @property
     def verdict(self) -> str:
@@ -166,6 +151,8 @@ class Headline:
         if any(self.base_load_peaks.values()):
             loads = ", ".join(f"{peak:.4g} {unit}" for unit, peak in self.base_load_peaks.items())
             sentences.append(f"Largest load on the spacecraft {loads}.")
+        if self.limits:
+            sentences.append(requirements_sentence(self.requirements))
         return " ".join(sentences)
 
     def as_dict(self) -> dict[str, Any]:
@@ -174,8 +161,16 @@ class Headline:
         numbers: value, unit and estimated error of every headline number, by its identifier.
         """
         found = {"verdict": self.verdict, **asdict(self), "warnings": self.warnings}
-        for name in ("estimated_errors", "energy_messages", "tolerance", "refined_tolerance", "fixed_step"):
+        for name in (
+            "estimated_errors",
+            "energy_messages",
+            "tolerance",
+            "refined_tolerance",
+            "fixed_step",
+            "limits",
+        ):
             del found[name]
+        found["requirements"] = [asdict(one) | {"state": one.state} for one in self.requirements]
         return {**found, "numbers": {number.id: number.as_dict() for number in self.numbers()}}
 
     @property
@@ -329,6 +324,7 @@ def headline(result: Result) -> Headline:
         refined_tolerance=tolerance_taken(result),
         fixed_step="step" in result.provenance,
         estimated_errors=result.estimated_errors,
+        limits=limits_of(result.provenance.get("scene_tree", "{}")),
     )
 
 

@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 from .estimated_errors import POINT_PEAKS
 from .identifiers import load_words
-from .key_figures import Headline, Number, magnitude_of, max_of, min_of, round_off_floors, shown
+from .key_figures import Headline, magnitude_of, max_of, min_of, round_off_floors, shown
+from .number import Number
+from .requirements import Judged
 from .round_off import rounded_to_floor
 
 _DIGITS, _WITHOUT_ERROR = 8, 4
@@ -38,6 +40,16 @@ class ShortRow(NamedTuple):
     note: str
 
 
+class RequirementRow(NamedTuple):
+    """A requirement, the number that it is about, what is left up to the limit, and whether it is met."""
+
+    requirement: str
+    value: str
+    margin: str
+    state: str
+
+
+REQUIREMENT_HEADINGS = RequirementRow("requirement", "value", "margin", "state")
 LINE_HEADINGS = LineRow(
     "line", "latched at, s", "rate, deg/s", "energy, J", "impulse, N.m.s", "peak torque, N.m"
 )
@@ -82,6 +94,28 @@ def line_rows(found: Headline) -> list[LineRow]:
         )
         for line in (*found.latch_times, *found.unlatched_angles)
     ]  # fmt: skip
+
+
+def requirement_rows(found: Headline) -> list[RequirementRow]:
+    """Every requirement on each number; "-" where the run has no such number."""
+    return [
+        RequirementRow(
+            one.text,
+            "-" if one.value is None else f"{rounded(one.value, one.error)}{_behind(one.unit)}",
+            "-" if one.margin is None else _margin(one),
+            one.state,
+        )
+        for one in found.requirements
+    ]
+
+
+def _margin(one: Judged) -> str:
+    share = "" if one.share is None else f" ({100.0 * one.share:.3g} %)"
+    return f"{_to_error(one.margin or 0.0, one.error)}{_behind(one.unit)}{share}"
+
+
+def _behind(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"
 
 
 def short_rows(found: Headline) -> Iterator[ShortRow]:

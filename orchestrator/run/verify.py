@@ -14,7 +14,7 @@ from math import isfinite, log2
 from ..assembly import Assembly
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
-from ..results.key_figures import Number
+from ..results.number import Number
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _NOT_EXTRAPOLATED = ("end time", "energy exchanged", "numerical energy loss", "energy residual")

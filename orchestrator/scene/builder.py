@@ -22,6 +22,7 @@ from .layers import Layers, Setting, Tree, plugin_files, read_layers, resolved, 
 from .placed_scene import PlacedScene
 from .plugins.trust import trust_programs
 from .reader import check_layers, find_scene, variant_problems
+from .requirement_tables import Requirements
 from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
@@ -244,6 +245,17 @@ class Scene:
         """Set [structural_damping]: fraction of critical damping of a mode at the reference frequency (Hz)."""
         keys = {"ratio": ratio, "reference_frequency": reference_frequency}
         self._set("structural_damping", StructuralDamping, keys)
+
+    def requirements(self, *limits: str) -> None:
+        """Set [requirements]: limits of headline numbers, such as "latch_rate.HL1 < 15 deg/s"."""
+        self._set("requirements", Requirements, {"limits": limits})
+
+    def with_requirements(self, limits: Names) -> Self:
+        """Copy with further limits of headline numbers, see `requirements`."""
+        if not (added := listed(limits)):
+            return self
+        given = self.tree.get("requirements", {}).get("limits", [])
+        return self.with_settings({"requirements.limits": [*given, *added]})
 
     def variant(self, name: str, layer: Mapping[str, object]) -> str:
         """Add a [variant.NAME]: tables applied over the others; arrays of named entries merge by name."""

@@ -29,18 +29,20 @@ from .loops.initial_assembly import open_loops
 from .placed_scene import PlacedScene
 from .plugins import loading
 from .plugins.trials import plugin_problems
+from .requirement_tables import Requirements
 from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
 from .validation import Entries, EntryReader
 
-_STRUCTURAL = "structural_damping"
+_STRUCTURAL, _LIMITS = "structural_damping", "requirements"
 TABLES: Mapping[str, type[Table]] = {
     "scene": Header,
     "base": Base,
     "joint": Joint,
     "friction": Friction,
     _STRUCTURAL: StructuralDamping,
+    _LIMITS: Requirements,
 }
 """Tables of a scene file by name."""
 ARRAYS: Mapping[str, type[Table]] = {
@@ -205,6 +207,7 @@ def _checked(
         reader.table("friction", Friction, required=False),
     )
     structural = reader.table(_STRUCTURAL, StructuralDamping, required=True) if _STRUCTURAL in tree else None
+    limits = reader.table(_LIMITS, Requirements, required=True) if _LIMITS in tree else None
     bodies, lines = reader.tables("body", Body), reader.tables("hinge_line", HingeLine)
     loops, dampers = reader.tables("ccl", Ccl), reader.tables("damper", Damper)
     connections, events = reader.tables("connection", Connection), reader.tables("event", Event)
@@ -217,6 +220,7 @@ def _checked(
     scene = PlacedScene(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound, events.sound, fmus.sound,
+        limits.limits if limits else (),
     )  # fmt: skip
     joints = tuple(c for c in connections.sound if c.name not in refused)
     sound = replace(scene, connections=joints) if refused else scene

@@ -64,6 +64,8 @@ class SceneTables:
     connections: tuple[Connection, ...]
     events: tuple[Event, ...] = ()
     fmus: tuple[Fmu, ...] = ()
+    limits: tuple[str, ...] = ()
+    """requirements, see `requirement_tables`"""
 
     def lines_inward(self, body: str) -> Iterator[HingeLine]:
         """The hinge lines that carry a body, from it inward to the base."""

@@ -133,6 +133,21 @@ def vector(unit: str, sign: Sign = "any", count: int = 3) -> BeforeValidator:
     return BeforeValidator(read, json_schema_input_type=written_as(schema))
 
 
+def in_unit(value: object, unit: str) -> float:
+    """A number, plain or with its unit, in a unit that may have no others; ValueError with a sentence otherwise."""
+    text = str(value).strip()
+    if unit in UNITS:
+        found = QUANTITY.fullmatch(text)
+        return to_si(f"{found[1]} {found[2] or unit}" if found else text, unit)
+    try:
+        number = float(text.removesuffix(unit))
+    except ValueError:
+        raise ValueError(f"is {value!r}; it must be a number in {unit}") from None
+    if not isfinite(number):
+        raise ValueError(f"is {value!r}; it must be finite")
+    return number
+
+
 def damping_time(ratio: float, frequency: float) -> float:
     """Damping over stiffness (s) that gives a mode of this frequency (Hz) this fraction of critical damping.
 

@@ -26,7 +26,7 @@ from ...assembly.statics.start import static_start
 from ...cosim.settings import Settings as MasterSettings
 from ...cosim.step_plan import to_own_events
 from ...records import short_repr
-from ...results.key_figures import Number
+from ...results.number import Number
 from ...results.round_off import noise_floor
 from ...run.load_energy import with_energy_of_loads
 from ...run.progress import silent

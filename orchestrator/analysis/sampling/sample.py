@@ -15,6 +15,7 @@ from components import FanfoldError
 from components.contract.component import Vector
 from fmus import Backend
 
+from ...results.requirements import margin_of
 from ...results.result import Result
 from ...results.signal import matches
 from ...run.errors import InterruptedRunError, RunError
@@ -100,7 +101,12 @@ def run_sample(task: Task, index: int, settings: Settings) -> Sample:
         found = run.outcome.headline
         return Sample(
             index,
-            numbers={one.id: (float(one.value), one.unit, one.error) for one in found.numbers()},
+            numbers={one.id: (float(one.value), one.unit, one.error) for one in found.numbers()}
+            | {
+                margin_of(one.text): (one.margin, one.unit, one.error)
+                for one in found.requirements
+                if one.margin is not None
+            },
             opened=dict.fromkeys((*found.latch_times, *found.reached_stops), True)
             | dict.fromkeys(found.not_opened, False),
             signals=_signals(result, task),

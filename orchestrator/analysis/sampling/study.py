@@ -19,6 +19,7 @@ from components.contract.component import Vector
 
 from ...results.estimated_errors import PROMISED
 from ...results.identifiers import quantity_identifier
+from ...results.requirements import requirement_of
 from ...results.result import HDF5_ERRORS, reason
 from .distributions import StudyError
 from .journal import Asked
@@ -143,9 +144,22 @@ class Study:
 
     @property
     def main_numbers(self) -> list[str]:
-        """The main headline numbers: those with promised accuracy, and rates at latch-up."""
+        """The main headline numbers: those with promised accuracy, rates at latch-up, margins of requirements."""
         main = {quantity_identifier(quantity) for quantity in (*PROMISED, "latch rate")}
-        return [name for name in self.numbers if name.partition(".")[0] in main]
+        return [name for name in self.numbers if requirement_of(name) or name.partition(".")[0] in main]
+
+    def requirements_met(self) -> dict[str, Share]:
+        """By requirement, in how many finished samples it is not met; see `not_opening` for the bounds."""
+        finished = self.finished[: self.plan.independent] > 0
+        margins = {
+            requirement_of(name): values for name, values in self.numbers.items() if requirement_of(name)
+        }
+        return {
+            name: Share.of(
+                int((~(values[: self.plan.independent][finished] > 0.0)).sum()), int(finished.sum())
+            )
+            for name, values in margins.items()
+        }
 
     def not_opening(self) -> dict[str, Share]:
         """By line with a latch or an end stop, in how many samples it has not latched or come to its stop.

@@ -16,9 +16,9 @@ from components.contract.component import Vector
 from components.contract.errors import unknown
 
 from ...cosim.rows import recorded_layout
-from ...results.identifiers import identifier, in_order
+from ...results.identifiers import OF_A_LATCH_UP, identifier, in_order, unit_of
 from ...results.key_figures import UNLATCHED
-from ...scene.units import QUANTITY, UNITS, to_si
+from ...scene.units import UNITS, in_unit
 from .distributions import StudyError
 from .sample import Sample, Task
 
@@ -26,17 +26,6 @@ _HEADING = re.compile(r"\s*(.*?)\s*(?:\(([^()]*)\)\s*)?", re.DOTALL)
 """A name, and the unit behind it."""
 _MISSED = 1.0
 """What a number counts as missed by, relative to its target, where a run does not have it: a line has not latched."""
-
-
-_OF_A_LATCH_UP = {
-    "latch_time": "s",
-    "latch_rate": "rad/s",
-    "latch_energy": "J",
-    "latch_impulse": "N.m.s",
-    "latch_torque_peak": "N.m",
-    "lock_torque_peak": "N.m",
-}
-"""Headline numbers of a line that has latched, by identifier, and their units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,21 +37,10 @@ class Target:
 
     def value(self, unit: str) -> float:
         """What is wanted, in the unit that the number is told in; StudyError where that cannot be."""
-        text = str(self.wanted).strip()
-        parts = QUANTITY.fullmatch(text)
-        number, given = (parts[1], parts[2]) if parts else (text, "")
-        if given in ("", unit):
-            found = _number(number, f"target {self.number}")
-        elif unit in UNITS:
-            try:
-                found = to_si(f"{number} {given}", unit)
-            except ValueError as error:
-                raise StudyError(f"target {self.number}: {error}") from None
-        else:
-            raise StudyError(f"target {self.number}: is {self.wanted!r}; it must be in {unit}")
-        if not isfinite(found):
-            raise StudyError(f"target {self.number}: is {self.wanted!r}; it must be finite")
-        return found
+        try:
+            return in_unit(self.wanted, unit)
+        except ValueError as error:
+            raise StudyError(f"target {self.number}: {error}") from None
 
     def off(self, sample: Sample) -> float:
         """Difference over what is wanted, or plain where that is zero."""
@@ -205,16 +183,16 @@ def _unknown(
 ) -> Iterator[str]:
     # what a line has of it once it latches
     missing = {
-        f"{quantity}.{line}": (line, unit)
+        f"{quantity}.{line}": (line, unit_of(quantity))
         for line in sample.opened
-        for quantity, unit in _OF_A_LATCH_UP.items()
+        for quantity in OF_A_LATCH_UP
         if identifier(UNLATCHED, line) in sample.numbers
     }
     for one in targets:
         line, unit = missing.get(one.number, ("", ""))
         if one.number in sample.numbers or line:
             wanted = one.value(unit or sample.numbers[one.number][1])
-            if wanted < 0.0 and one.number.partition(".")[0] in _OF_A_LATCH_UP:
+            if wanted < 0.0 and one.number.partition(".")[0] in OF_A_LATCH_UP:
                 yield f"target {one.number}: is {one.wanted!r}; it is never negative"
         if line:
             yield (

@@ -101,6 +101,8 @@ class _Listing:
         kind = whole.get("type", "")
         if whole.get("default") not in (None, "") or "const" in whole or "enum" in whole:
             return whole.get("default", whole.get("const", whole.get("enum", [None])[0]))
+        if "examples" in whole:
+            return whole["examples"][0]
         if "anyOf" in whole:
             return self._value(whole["anyOf"][0])
         if "unit" in whole:
