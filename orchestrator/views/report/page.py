@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from html import escape
 from io import BytesIO
 
@@ -20,27 +20,46 @@ _ALLOWED = (
 """What a browser lets the page do: nothing but what is inside it, and of scripts its own alone."""
 
 _STYLE = """
-:root { color-scheme: light; }
-body { font: 15px/1.45 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 60rem;
-  margin: 0 auto; padding: 1.5rem; }
-h1 { font-size: 1.6rem; margin: 0 0 .2rem; }
-h2 { font-size: 1.2rem; margin: 2rem 0 .6rem; border-bottom: 1px solid #999; }
-p.lead { margin: 0; color: #444; }
-p.warning { border-left: .3rem solid #d55e00; padding: .3rem .8rem; background: #fdf0e8; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .5rem 0; }
-th, td { padding: .15rem .8rem .15rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #ddd; }
-th { border-bottom: 1.5px solid #555; }
-td.n, th.n { text-align: right; }
-figure { margin: 1rem 0 1.6rem; }
-figure img { max-width: 100%; height: auto; }
-figcaption { color: #333; font-size: .92rem; }
-pre { font-size: .8rem; white-space: pre-wrap; overflow-wrap: anywhere; background: #f5f5f5; padding: .6rem; }
+:root { color-scheme: light dark; --ink: #1a1a1a; --soft: #444; --paper: #fff; --line: #ccc; --shade: #f3f4f6;
+  --good: #00734c; --bad: #b3400a; --bad-shade: #fdf0e8; --accent: #0072b2; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e8eb; --soft: #b4bac2; --paper: #14171b; --line: #3b424b; --shade: #20252b; --good: #4cc79a;
+    --bad: #ff9d66; --bad-shade: #33231a; --accent: #6ab7ea; }
+}
+body { font: 15px/1.45 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 66rem;
+  margin: 0 auto; padding: 1.2rem; }
+header { border-bottom: 2px solid var(--ink); margin-bottom: .9rem; }
+h1 { font-size: 1.7rem; margin: 0; }
+h2 { font-size: 1.15rem; margin: 1.5rem 0 .4rem; }
+p.lead { margin: 0; color: var(--soft); }
+dl { display: flex; flex-wrap: wrap; gap: .2rem 1.8rem; margin: .5rem 0 .6rem; font-size: .92rem; }
+dt { color: var(--soft); font-size: .8rem; }
+dd { margin: 0; }
+p.verdict { border-left: .35rem solid var(--good); padding: .45rem .9rem; background: var(--shade);
+  font-size: 1.05rem; }
+p.verdict.bad { border-color: var(--bad); background: var(--bad-shade); }
+p.warning { border-left: .3rem solid var(--bad); padding: .3rem .8rem; background: var(--bad-shade); }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .4rem 0; }
+th, td { padding: .15rem .9rem .15rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
+th { border-bottom: 1.5px solid var(--soft); font-weight: 600; }
+td.n, th.n { text-align: right; white-space: nowrap; }
+td.bad { color: var(--bad); font-weight: 600; }
+figure { margin: .6rem 0 1.2rem; }
+figure img { max-width: 100%; height: auto; background: #fff; }
+figcaption { color: var(--soft); font-size: .9rem; }
+pre { font-size: .8rem; white-space: pre-wrap; overflow-wrap: anywhere; background: var(--shade); padding: .6rem; }
 code { overflow-wrap: anywhere; }
+details.rest { border-top: 1px solid var(--line); padding: .45rem 0; }
+details.rest > summary { cursor: pointer; font-weight: 600; }
 @media print {
-  body { max-width: none; padding: 0; font-size: 10.5pt; }
-  figure, tr { break-inside: avoid; }
+  :root { color-scheme: light; --ink: #1a1a1a; --soft: #444; --paper: #fff; --line: #ccc; --shade: #f3f4f6;
+    --good: #00734c; --bad: #b3400a; --bad-shade: #fdf0e8; }
+  body { max-width: none; padding: 0; font-size: 9.5pt; }
+  figure, tr, .wide { break-inside: avoid; }
   h2 { break-after: avoid; }
-  @page { margin: 16mm; }
+  details.rest:not([open]) { display: none; }
+  @page { size: A4; margin: 14mm; }
 }
 """
 
@@ -69,18 +88,28 @@ def heading(text: str) -> str:
     return f"<h2>{escape(text)}</h2>"
 
 
-def table(headings: Sequence[str], rows: Iterable[Sequence[str]], numeric: Sequence[int] = ()) -> str:
-    """A table of texts; columns of numbers, by position, are set to the right."""
+def table(
+    headings: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    numeric: Sequence[int] = (),
+    marked: Collection[str] = (),
+) -> str:
+    """A table of texts; columns of numbers, by position, are set to the right, texts in `marked` stand out."""
 
     def cells(tag: str, texts: Sequence[str]) -> str:
-        marked = (
-            f'<{tag} class="n">{escape(text)}</{tag}>' if k in numeric else f"<{tag}>{escape(text)}</{tag}>"
-            for k, text in enumerate(texts)
-        )
-        return f"<tr>{''.join(marked)}</tr>"
+        found = []
+        for k, text in enumerate(texts):
+            kinds = " ".join([*["n"] * (k in numeric), *["bad"] * (text in marked)])
+            found.append(
+                f'<{tag} class="{kinds}">{escape(text)}</{tag}>'
+                if kinds
+                else f"<{tag}>{escape(text)}</{tag}>"
+            )
+        return f"<tr>{''.join(found)}</tr>"
 
     body = "\n".join(cells("td", row) for row in rows)
-    return f"<table>\n<thead>{cells('th', headings)}</thead>\n<tbody>\n{body}\n</tbody>\n</table>"
+    head = f"<thead>{cells('th', headings)}</thead>"
+    return f'<div class="wide"><table>\n{head}\n<tbody>\n{body}\n</tbody>\n</table></div>'
 
 
 def picture(figure: Figure, name: str, caption: str) -> str:
@@ -95,9 +124,23 @@ def picture(figure: Figure, name: str, caption: str) -> str:
     )
 
 
-def folded(summary: str, text: str) -> str:
-    """Long text that opens when asked for."""
-    return f"<details><summary>{escape(summary)}</summary>\n<pre>{escape(text)}</pre></details>"
+def title_block(title: str, description: str, facts: Mapping[str, str]) -> str:
+    """What the page is about, and facts by name, of which empty ones are left out."""
+    rows = "".join(
+        f"<div><dt>{escape(name)}</dt><dd>{escape(text)}</dd></div>" for name, text in facts.items() if text
+    )
+    told = paragraph(description, "lead") if description else ""
+    return f"<header>\n<h1>{escape(title)}</h1>{told}\n<dl>{rows}</dl>\n</header>"
+
+
+def folded(summary: str, content: str) -> str:
+    """Content, as HTML, that opens when asked for."""
+    return f'<details class="rest"><summary>{escape(summary)}</summary>\n{content}</details>'
+
+
+def text_block(text: str) -> str:
+    """Long text as it is."""
+    return f"<pre>{escape(text)}</pre>"
 
 
 def _data(png: bytes) -> str:

@@ -1,10 +1,12 @@
-"""A run as one self-contained HTML file: numbers, events, animation, figures, provenance."""
+"""A run as one self-contained HTML file: verdict, requirements, view in space, plots, main numbers; the rest folded."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
-from html import escape
+from dataclasses import replace
+from subprocess import SubprocessError, run
+
+import tomli_w
 
 from ...analysis.motion.deflection import quiet
 from ...messages import is_note
@@ -12,31 +14,66 @@ from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
 from ...results.earlier import SETTINGS
 from ...results.key_figures import Headline, headline, headline_rows
-from ...results.parts import MESSAGES, json_of
+from ...results.parts import MESSAGES, Scalar, json_of
 from ...results.point_loads import event_loads
+from ...results.requirements import checked_limits
 from ...results.result import Result
+from ...results.short_table import (
+    LINE_HEADINGS,
+    REQUIREMENT_HEADINGS,
+    line_rows,
+    requirement_rows,
+    short_rows,
+)
 from ...validity.travel import messages
 
-_FIDELITIES = {"flexible": "flexible bodies", "large_deformation": "bodies of large deformation"}
+_FIDELITIES = {"flexible": "flexible", "large_deformation": "large deformation"}
 _SCENE = ("scene", "scene_tree", SETTINGS, MESSAGES, *_FIDELITIES)
 _DIGEST = "fmu."
 
 
-def report(result: Result, others: Sequence[Result] = (), frame_count: int = 6) -> str:
-    """The page, as HTML text; others: results to set against the first; nothing that moves for no frames."""
-    from .page import page  # matplotlib takes its time, which --help need not
+def report(
+    result: Result,
+    others: Sequence[Result] = (),
+    frame_count: int = 6,
+    limits: Sequence[str] = (),
+    author: str = "",
+) -> str:
+    """The page, as HTML text: what a reader asks first on top, all else folded.
+
+    others: results to set against the first; nothing that moves for no frames. limits: requirements in addition to
+    those of the result. author: by default the user of git.
+    """
+    from .page import folded, page  # matplotlib takes its time, which --help need not
 
     title = result.provenance.get("scene", _file(result))
-    found = headline(result)
-    opening, numbers = [*_opening(result, title, found)], [*_numbers(result, found)]
+    found = [_judged(one, limits) for one in (result, *others[:1])]
+    opening, numbers = [*_opening(result, title, author, found)], [*_numbers(found)]
+    every, events = [*_every_number(result, found[0])], [*_events(result)]
     figures = [*_figures(result)]
-    for k, other in enumerate(others):
-        figures += _comparison(result, other, f"compare_{k + 1}" if k else "compare")
+    compared = [
+        part
+        for k, other in enumerate(others)
+        for part in _comparison(result, other, f"compare_{k + 1}" if k else "compare")
+    ]
     if others:
-        figures += _together([result, *others])
+        compared += _together([result, *others])
     # What moves takes longest, so all that may be wrong with a result is told before.
     moving = _animation([result, *others[:1]], frame_count)
-    return page(f"{title}: {_file(result)}", [*opening, *moving, *numbers, *figures, *_provenance(result)])
+    sections = {
+        "Every headline number": every,
+        "Events": events,
+        "Figures": figures,
+        "Comparison": compared,
+        "Provenance": [*_provenance(result)],
+    }
+    rest = [folded(heading, "\n".join(parts)) for heading, parts in sections.items() if parts]
+    return page(f"{title}: {_file(result)}", [*opening, *moving, *numbers, *rest])
+
+
+def _judged(result: Result, limits: Sequence[str]) -> Headline:
+    found = headline(result)
+    return replace(found, limits=(*found.limits, *checked_limits(limits)))
 
 
 def _file(result: Result) -> str:
@@ -44,30 +81,104 @@ def _file(result: Result) -> str:
     return result.name if result.path is None else result.path.name
 
 
-def _opening(result: Result, title: str, found: Headline) -> Iterator[str]:
-    from .page import paragraph
+def _opening(result: Result, title: str, author: str, found: Sequence[Headline]) -> Iterator[str]:
+    """Title block, verdict, requirements, warnings."""
+    from .page import heading, paragraph, table, title_block
 
     scene = _scene_tree(result).get("scene")
     description = scene.get("description") if isinstance(scene, dict) else None
-    yield f"<h1>{escape(title)}</h1>"
-    yield paragraph(
-        f"{description}. Result {_file(result)}." if description else f"Result {_file(result)}.", "lead"
-    )
-    yield paragraph(found.verdict, "lead")
+    known = result.provenance
+    facts = {
+        "date": known.get("date", "")[:10],
+        "author": author or _git_user(),
+        "result": _file(result),
+        "bodies": _models(result),
+        "tolerance": known.get("tolerance", ""),
+        "Fanfold": known.get("fanfold", ""),
+    }
+    yield title_block(title, f"{description}." if description else "", facts)
+    yield paragraph(found[0].verdict, "verdict" if _is_good(found[0]) else "verdict bad")
+    for letter, one in zip("AB", found, strict=False):
+        if rows := requirement_rows(one):
+            yield heading("Requirements" if len(found) == 1 else f"Requirements, {letter}")
+            yield table(REQUIREMENT_HEADINGS, rows, numeric=(1, 2), marked={"not met", "no such number"})
+    for sentence in messages(result, found[0]):
+        if not is_note(sentence):
+            yield paragraph(f"Warning: {sentence}", "warning")
 
 
-def _numbers(result: Result, found: Headline) -> Iterator[str]:
+def _is_good(found: Headline) -> bool:
+    return found.complete and not found.not_opened and all(one.met for one in found.requirements)
+
+
+def _models(result: Result) -> str:
+    """How bodies are modelled, such as "rigid" or "flexible: panel1, panel2"."""
+    told = [
+        f"{word}: {names}"
+        for kind, word in _FIDELITIES.items()
+        if (names := _names(result.provenance.get(kind, "[]"))) != "none"
+    ]
+    return "; ".join(told) or "rigid"
+
+
+def _git_user() -> str:
+    """Name of the user of git; empty where there is none."""
+    try:
+        asked = run(["git", "config", "user.name"], capture_output=True, text=True, timeout=2.0, check=False)
+    except (OSError, SubprocessError):
+        return ""
+    return asked.stdout.strip()
+
+
+def _numbers(found: Sequence[Headline]) -> Iterator[str]:
+    """Main numbers, rounded to their estimated errors: of hinge lines, and of the rest."""
+    from .page import heading, table
+
+    yield heading("Main numbers")
+    both = len(found) > 1
+    lines = [(letter, row) for letter, one in zip("AB", found, strict=False) for row in line_rows(one)]
+    if lines:
+        lines.sort(key=lambda pair: pair[1].line)
+        used = [
+            k for k in range(len(LINE_HEADINGS)) if k == 0 or any(row[k] not in ("-", "") for _, row in lines)
+        ]
+        rows = [(*([letter] * both), *(row[k] for k in used)) for letter, row in lines]
+        heads = [*["result"] * both, *(LINE_HEADINGS[k] for k in used)]
+        yield table(heads, rows, numeric=range(1 + both, len(heads)))
+    every = [
+        {(row.quantity, row.note if row.quantity == "slack" else ""): row for row in short_rows(one)}
+        for one in found
+    ]
+    keys = list(dict.fromkeys(key for one in every for key in one))
+    rows = []
+    for key in keys:
+        of = [one.get(key) for one in every]
+        first = next(row for row in of if row)
+        notes = [row.note if row else "" for row in of]
+        note = (
+            notes[0]
+            if len({*notes}) == 1
+            else "; ".join(f"{x}: {y}" for x, y in zip("AB", notes, strict=False) if y)
+        )
+        rows.append((first.quantity, *(row.value if row else "-" for row in of), first.unit, note))
+    heads = ["quantity", *("AB" if both else ["value"]), "unit", "of"]
+    yield table(heads, rows, numeric=range(1, 1 + len(found)))
+
+
+def _every_number(result: Result, found: Headline) -> Iterator[str]:
     from .page import heading, paragraph, table
 
-    yield heading("Headline numbers")
     columns = ("quantity", "of", "value", "unit", "estimated error")
     yield table(columns, headline_rows(found), numeric=(2, 4))
-    for sentence in messages(result, found):
-        yield paragraph(f"{'Note' if is_note(sentence) else 'Warning'}: {sentence}", "warning")
+    yield from (paragraph(f"Note: {one}") for one in messages(result, found) if is_note(one))
     if waits := [one.sentence(float(result.time[-1])) for one in quiet(result)]:
         yield heading("After the prescribed motion")
         yield from (paragraph(f"{sentence}.") for sentence in waits)
-    yield heading("Events")
+
+
+def _events(result: Result) -> Iterator[str]:
+    from .page import paragraph, table
+
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
     yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))
     loads = [
@@ -107,9 +218,8 @@ def _animation(results: Sequence[Result], count: int) -> Iterator[str]:
 
 def _figures(result: Result) -> Iterator[str]:
     from ..plots import draw_all
-    from .page import heading, picture
+    from .page import picture
 
-    yield heading("Figures")
     for name, caption, figure in draw_all(result):
         yield picture(figure, name, caption)
 
@@ -150,20 +260,28 @@ def _comparison(result: Result, other: Result, prefix: str) -> Iterator[str]:
 
 
 def _provenance(result: Result) -> Iterator[str]:
-    from .page import folded, heading, table
+    from .page import folded, table, text_block
 
     known = dict(result.provenance)
     digests = {name: known.pop(name) for name in list(known) if name.startswith(_DIGEST)}
-    yield heading("Provenance")
     bodies = [(words, _names(known.get(fidelity, "[]"))) for fidelity, words in _FIDELITIES.items()]
-    versions = [(name, text) for name, text in known.items() if name not in _SCENE]
-    statistics = [(name.replace("_", " "), f"{value}") for name, value in result.statistics.items()]
+    versions = [
+        (name, text)
+        for name, text in known.items()
+        if name not in _SCENE and not isinstance(json_of(text), list | dict)
+    ]
+    statistics = [(name.replace("_", " "), _short(value)) for name, value in result.statistics.items()]
     yield table(("property", "value"), [*bodies, *versions, *statistics])
-    tree = _scene_tree(result)
-    yield folded("resolved scene file", _indented(tree) or known.get("scene", ""))
+    yield folded(
+        "Scene with all layers merged", text_block(_toml(_scene_tree(result)) or known.get("scene", ""))
+    )
     if digests:
         text = "\n".join(f"{name.removeprefix(_DIGEST)}  {digest}" for name, digest in digests.items())
-        yield folded("SHA-256 of the FMUs", text)
+        yield folded("SHA-256 of the FMUs", text_block(text))
+
+
+def _short(value: Scalar) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else f"{value}"
 
 
 def _names(text: str) -> str:
@@ -176,9 +294,9 @@ def _scene_tree(result: Result) -> dict[str, object]:
     return tree if isinstance(tree, dict) else {}
 
 
-def _indented(tree: dict[str, object]) -> str:
-    """JSON for people; empty where there is nothing, or it is nested too deeply to be anybody's."""
+def _toml(tree: dict[str, object]) -> str:
+    """The scene as a file would have it; empty where there is none, or it is nothing that a file could hold."""
     try:
-        return json.dumps(tree, indent=1) if tree else ""
-    except RecursionError:
+        return tomli_w.dumps(tree) if tree else ""
+    except (RecursionError, TypeError, ValueError):
         return ""

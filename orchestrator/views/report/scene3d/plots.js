@@ -30,6 +30,11 @@ class Curve {
     this.width = result ? 1 : 1.5;
   }
 
+  /** Largest magnitude. */
+  largest() {
+    return this.values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+  }
+
   /** Lowest and highest value within a range of time, and one row beyond. */
   span(range) {
     let [low, high] = [Infinity, -Infinity];
@@ -80,6 +85,9 @@ class Plot {
     this.unit = labelledUnit;
     this.curves = curves;
     this.plots = plots;
+    const largest = Math.max(...curves.map(curve => curve.largest()));
+    // five digits of the largest value, as a plot shows no more
+    this.decimals = largest > 0 ? Math.min(Math.max(4 - Math.floor(Math.log10(largest)), 0), 12) : 0;
     this.box = element("details", plots.place);
     this.box.className = "plot";
     this.box.open = isOpen;
@@ -146,7 +154,7 @@ class Plot {
     const rows = new Map();
     this.curves.forEach((curve, k) => {
       const row = nearest(curve.clock, time);
-      this.readings[k].textContent = written(curve.values[row]);
+      this.readings[k].textContent = curve.values[row].toFixed(this.decimals);
       if (!rows.has(curve.letter)) rows.set(curve.letter, `${curve.letter}${curve.clock[row].toFixed(6)} s`);
     });
     this.at.textContent = `Recorded values at ${[...rows.values()].join(", ")}`;
