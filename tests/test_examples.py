@@ -11,7 +11,7 @@ import pytest
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.filterwarnings("ignore:fmu.controller.*W-fmu-unit"),  # as PythonFMUs do
+    pytest.mark.filterwarnings("ignore:fmu.(controller|sequencer).*W-fmu-unit"),  # as PythonFMUs do
 ]
 FOLDER = Path(__file__).parents[1] / "examples"
 SHORTENED = {"wing_on_a_spacecraft"}
@@ -119,6 +119,17 @@ def panel_on_a_spacecraft(found, folder):
     """Order: mean loads, held over a step, are of second order in it. The same scene in one piece is the reference."""
     assert found["error"][0.02] < 2e-4
     assert found["error"][0.04] / found["error"][0.02] == pytest.approx(4.0, rel=0.1)
+
+
+def sequenced_deployment(found, folder):
+    """The second bolt opens at the first communication point at which the outer line has passed 3.1 rad."""
+    events, step = {name: time for time, name, _ in found["run"].events}, 0.05
+    at = events["sequencer.fire_inner"]
+    assert events["sequencer.fire_outer"] == pytest.approx(0.5, abs=1e-9)
+    assert at == pytest.approx(step * round(at / step), abs=1e-9)
+    before, after = found["run"]["h2", "angle"].at([at - step, at])
+    assert before <= 3.1 < after
+    assert at < events["h2"] < events["h1"]
 
 
 def spinning_deployment(found, folder):

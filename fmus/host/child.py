@@ -25,7 +25,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, calloc, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2Terminated, free
 from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as Allocate
 from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
-from fmpy.fmi3 import FMU3Slave
+from fmpy.fmi3 import FMU3Slave, fmi3Boolean, fmi3Float64
 
 Value = float | int | bool | str
 SAID, ANSWERED, REFUSED = "said", "answered", "refused"
@@ -153,13 +153,21 @@ class Instance:
         return said or f"{error}" or type(error).__name__
 
     def initialize(
-        self, start: Mapping[str, Value], inputs: Mapping[str, Value], tolerance: float | None
+        self,
+        start: Mapping[str, Value],
+        inputs: Mapping[str, Value],
+        tolerance: float | None,
+        until: float | None = None,
     ) -> None:
-        """From the new instance to step mode at t = 0. tolerance: relative accuracy of the experiment."""
+        """From the new instance to step mode at t = 0.
+
+        tolerance, until: relative accuracy and end of the experiment.
+        """
+        experiment = {"tolerance": tolerance, "startTime": 0.0, "stopTime": until}
         if self._fmi2:
-            self._fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
+            self._fmu.setupExperiment(**experiment)
         self._set(start)
-        self._fmu.enterInitializationMode(**({} if self._fmi2 else {"tolerance": tolerance}))
+        self._fmu.enterInitializationMode(**({} if self._fmi2 else experiment))
         self._set(inputs)
         self._fmu.exitInitializationMode()
         self._initialized = True
@@ -179,20 +187,34 @@ class Instance:
             if self._do_step2(time, h) == WARNING and not self._last:
                 self._send(SAID, (WARNING, "a warning without a word"))
             return ""
-        _, terminates, early, reached = self._fmu.doStep(time, h)
-        if terminates:
-            return _ENDS
-        return f"it returned early, at t = {reached:.6g} s, which was not allowed to it" if early else ""
+        needs_event, terminates, early, reached = fmi3Boolean(), fmi3Boolean(), fmi3Boolean(), fmi3Float64()
+        flags = (byref(one) for one in (needs_event, terminates, early, reached))
+        try:
+            self._fmu.fmi3DoStep(self._fmu.component, time, h, fmi3Boolean(True), *flags)
+        except FMICallException as error:
+            if error.status != DISCARD or not terminates.value:
+                raise
+        if terminates.value:
+            return self._ends()
+        return (
+            f"it returned early, at t = {reached.value:.6g} s, which was not allowed to it"
+            if early.value
+            else ""
+        )
 
     def _do_step2(self, time: float, h: float) -> int:
         """Its status; FMI 2.0 discards the step of an FMU that has to end, as one that is too large."""
         try:
             status: int = self._fmu.fmi2DoStep(self._fmu.component, time, h, 1)
         except FMICallException as error:
-            if error.status == DISCARD and not self._last and self._terminates2():
-                raise _Refusal(_ENDS) from None
+            if error.status == DISCARD and self._terminates2():
+                raise _Refusal(self._ends()) from None
             raise
         return status
+
+    def _ends(self) -> str:
+        """That it asks for the end, and what it last said about it."""
+        return f"{_ENDS}: {self._last}" if self._last else _ENDS
 
     def _terminates2(self) -> bool:
         """Whether it reports that it has to end."""

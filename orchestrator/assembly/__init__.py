@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
-    from components import Component
+    from components import Component, Quantity
 
 _MOST_COMPONENTS = 256
 _components: dict[bytes, Component] = {}
@@ -91,13 +91,17 @@ def bolted_hinges(lines: Iterable[HingeLine]) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """An observation of a part, its number `index`, passes a value: `rising` from below, otherwise from above."""
+    """A signal of a part, its number `index`, passes a value: `rising` from below, otherwise from above.
+
+    is_sampled: the part is an FMU with signals, whose values change at its communication points only.
+    """
 
     part: str
     variable: str
     index: int
     value: float
     rising: bool
+    is_sampled: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +159,8 @@ class Event:
 class Signal:
     """A scalar variable of an FMU, joined to number `index` of an observation, output or parameter of a part.
 
+    An input may also come from another FMU, which is then the part, with its output as the quantity.
+
     kind: of the variable, as FMI calls its type. factor, offset: make the value that arrives of the one that leaves.
     unit, description: of the variable. start: of a parameter that is set, all its numbers before anything sets it.
     is_impulse: the variable is the impulse of the load that it sets, and acts by what it has grown by over a step.
@@ -183,8 +189,9 @@ class Signal:
 class SignalFmu:
     """An FMU that reads signals of parts and sets parameters of them, every `step` (s).
 
-    start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives. told:
-    variables that it gives for the record alone. is_wing: it is a scene as one FMU whose base its inputs drive.
+    start: values of its parameters by name. inputs: signals that it is given; outputs: those that set parameters. told:
+    all outputs that are recorded; events and other FMUs may read them. is_wing: it is a scene as one FMU whose base its
+    inputs drive.
     """
 
     name: str
@@ -195,6 +202,16 @@ class SignalFmu:
     outputs: tuple[Signal, ...]
     told: tuple[Signal, ...] = ()
     is_wing: bool = False
+
+    def recorded(self) -> dict[str, Quantity]:
+        """What is recorded of it, by variable, in its own units: inputs, then outputs."""
+        from components import Quantity  # needs numpy, see `Part.component`
+
+        signals = {s.variable: s for s in (*self.inputs, *self.told, *self.outputs)}
+        return {
+            name: Quantity(name.replace("/", "_"), s.unit, s.description or f"Signal of {self.path.name}")
+            for name, s in signals.items()
+        }
 
 
 @dataclass(frozen=True, slots=True)

@@ -68,6 +68,7 @@ def assemble(
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
     hinge_lines = assembly_lines(scene, is_flexible, wrench_mode)
+    fmus = _signal_fmus(scene, parts, hinge_lines)
     return Assembly(
         name=header.name,
         scene_tree=scene.tree,
@@ -83,8 +84,8 @@ def assemble(
         preload=header.preload,
         driving=driving(scene, lines),
         geometry=geometry,
-        events=assembly_events(scene, parts, hinge_lines),
-        signal_fmus=_signal_fmus(scene, parts, hinge_lines),
+        events=assembly_events(scene, parts, hinge_lines, fmus),
+        signal_fmus=fmus,
     )
 
 

@@ -22,11 +22,16 @@ from ..scene.component_connections import in_range, number_of, value_of
 from ..scene.event_tables import Event as EventTable
 from ..scene.event_tables import When
 from ..scene.placed_scene import PlacedScene
+from ..scene.signal_tables import Fmu
 from ..scene.table import SceneError
-from . import Condition, Event, HingeLine, Part, Setting
+from . import Condition, Event, HingeLine, Part, Setting, SignalFmu
 
 RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 """Inputs by which a component lets go."""
+COMMANDS = (LATCH_COMMAND.name, *RELEASES)
+"""Inputs that scenes can command, by events and outputs of FMUs."""
+_TRUE = 0.5
+"""What an output of an FMU passes as it becomes true."""
 _SCALAR = re.compile(r"([\w.]+)(?:\[(\d+)\])?")
 _COUPLINGS = (Drive.kind, PointMotion.kind)
 """Components that lead by a law, through a stiffness and a damping."""
@@ -39,14 +44,19 @@ _MOTORS = {"motor_stiffness": "motor_constant_torque", "motor_constant_torque": 
 
 
 def assembly_events(
-    scene: PlacedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
+    scene: PlacedScene, parts: Sequence[Part], lines: Sequence[HingeLine], fmus: Sequence[SignalFmu]
 ) -> tuple[Event, ...]:
-    """The events of a scene, those of one time as one; SceneError with what its components do not know or cannot do."""
-    reader = _EventReader(parts, lines)
-    events = _of_one_time([reader.event(table) for table in scene.events])
+    """The events of a scene, those of one time as one; SceneError with what its components do not know or cannot do.
+
+    An output of an FMU that gives commands is an event when it becomes true.
+    """
+    reader = _EventReader(parts, lines, fmus)
+    found = [reader.event(table) for table in scene.events]
+    found += [event for fmu in scene.fmus for event in reader.commands(fmu)]
+    events = _of_one_time(found)
     reader.problems += _released_and_locked(events, lines)
     if reader.problems:
-        raise SceneError([f"{scene.file}: event.{problem}" for problem in dict.fromkeys(reader.problems)])
+        raise SceneError([f"{scene.file}: {problem}" for problem in dict.fromkeys(reader.problems)])
     return events
 
 
@@ -65,28 +75,47 @@ def _released_and_locked(events: Sequence[Event], lines: Sequence[HingeLine]) ->
     for event in events:
         for line in event.latches:
             if set(hinges[line]) <= set(event.releases):
-                yield f"{event.name}: locks {line}, which it releases as well; leave one of both out"
+                yield f"event.{event.name}: locks {line}, which it releases as well; leave one of both out"
 
 
 class _EventReader:
     """Reads events against parts, and gathers what is wrong with them."""
 
-    def __init__(self, parts: Sequence[Part], lines: Sequence[HingeLine]) -> None:
+    def __init__(self, parts: Sequence[Part], lines: Sequence[HingeLine], fmus: Sequence[SignalFmu]) -> None:
+        self._fmus = {fmu.name: fmu for fmu in fmus}
         self.problems: list[str] = []
         self._parts = {part.name: part for part in parts}
         self._lines = {line.name: line for line in lines}
 
     def event(self, table: EventTable) -> Event:
         """The event of a table; where there are problems, what is left of it."""
-        condition = None if table.when is None else self._condition(f"{table.name}.when", table.when)
+        key = f"event.{table.name}"
+        condition = None if table.when is None else self._condition(f"{key}.when", table.when)
         found = Event(table.name, table.time, condition)
         for name in table.release:
-            for part in self._parts_of(f"{table.name}.release", name):
-                found = self._released(f"{table.name}.release", found, part)
+            for part in self._parts_of(f"{key}.release", name):
+                found = self._released(f"{key}.release", found, part)
         for name, variables in table.set.items():
-            for part in self._parts_of(f"{table.name}.set.{name}", name):
-                found = self._with_settings(f"{table.name}.set.{name}", found, part, variables)
+            for part in self._parts_of(f"{key}.set.{name}", name):
+                found = self._with_settings(f"{key}.set.{name}", found, part, variables)
         return found
+
+    def commands(self, fmu: Fmu) -> Iterator[Event]:
+        """An event for each output of an FMU that gives commands."""
+        recorded = self._fmus[fmu.name].recorded()
+        for output in fmu.outputs:
+            targets = [target.rpartition(".")[::2] for target in fmu.targets(output)]
+            commands = [(name, command) for name, command in targets if command in COMMANDS]
+            condition = Condition(fmu.name, recorded[output].name, 0, _TRUE, True, True)
+            event, key = Event(f"{fmu.name}.{output}", None, condition), f"fmu.{fmu.name}.outputs.{output}"
+            for name, command in commands:
+                for part in self._parts_of(key, name):
+                    try:
+                        event = self._commanded(event, part, command, 1)
+                    except ValueError as error:
+                        self.problems.append(f"{key}: {error}")
+            if commands:
+                yield event
 
     def _parts_of(self, key: str, name: str) -> Iterator[Part]:
         """The part of a name, or those of a line."""
@@ -124,6 +153,14 @@ class _EventReader:
     def _condition(self, key: str, when: When) -> Condition | None:
         name = self._lines[when.component].sensor if when.component in self._lines else when.component
         rising, given = when.below is None, when.above if when.below is None else when.below
+        side = "above" if rising else "below"
+        if (fmu := self._fmus.get(when.component)) is not None:
+            quantity = fmu.recorded()[when.variable]
+            try:
+                return Condition(fmu.name, quantity.name, 0, number_of(quantity, given), rising, True)
+            except ValueError as error:
+                self.problems.append(f"{key}.{side}: {error}")
+                return None
         for part in self._parts_of(f"{key}.component", name):
             quantities = {
                 q.name: q
@@ -138,7 +175,7 @@ class _EventReader:
             try:
                 return Condition(part.name, quantity.name, index, number_of(quantity, given), rising)
             except ValueError as error:
-                self.problems.append(f"{key}.{'above' if rising else 'below'}: {error}")
+                self.problems.append(f"{key}.{side}: {error}")
         return None
 
     def _with_settings(self, key: str, event: Event, part: Part, variables: Mapping[str, Any]) -> Event:
@@ -170,7 +207,7 @@ class _EventReader:
     def _commanded(self, event: Event, part: Part, name: str, given: object) -> Event:
         """With what a command stands for; ValueError where it is none that a scene can give."""
         line = next((line.name for line in self._lines.values() if part.name in line.hinges), None)
-        if name not in (LATCH_COMMAND.name, *RELEASES):
+        if name not in COMMANDS:
             raise ValueError("is an input, which follows from the run; set tunable parameters")
         if isinstance(given, bool) or given != 1:
             raise ValueError(f"is {given!r}; commands can be given, with 1, but not taken back")

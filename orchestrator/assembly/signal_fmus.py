@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import isclose, isfinite
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,7 @@ from ..scene.schema import SMALLEST_STEP
 from ..scene.signal_tables import Fmu
 from ..scene.table import SceneError
 from . import HingeLine, Part, Signal, SignalFmu
-from .events import scalar, tunable
+from .events import COMMANDS, scalar, tunable
 
 _NUMBERS = ("Real", "Float64", "Float32")
 _WHOLE = ("Integer", "Enumeration", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
@@ -43,17 +44,38 @@ _IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
 def signal_fmus(
     scene: PlacedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
 ) -> tuple[SignalFmu, ...]:
-    """The FMUs of a scene that have signals; SceneError with everything that they or the components do not know."""
+    """The FMUs of a scene that have signals, in the order in which they step at one time.
+
+    SceneError with everything that they or the components do not know.
+    """
     problems: list[str] = []
-    found = []
+    readers: dict[str, _Reader] = {}
     for table in scene.fmus:
         try:
-            found.append(_Reader(table, parts, lines, problems).fmu())
+            readers[table.name] = _Reader(table, parts, lines, readers, problems)
         except _NoFmuError as error:
             problems.append(f"fmu.{table.name}.file: {table.file} {error}")
+    found = [reader.fmu() for reader in readers.values()]
+    for event in scene.events:
+        if (when := event.when) is not None and when.component in readers:
+            try:
+                readers[when.component].told(when.variable)
+            except ValueError as error:
+                problems.append(f"event.{event.name}.when.variable: {error}")
     problems += _set_twice(found)
     if problems:
         raise SceneError([f"{scene.file}: {problem}" for problem in problems])
+    return _in_order([replace(fmu, told=readers[fmu.name].all_told()) for fmu in found])
+
+
+def _in_order(fmus: Sequence[SignalFmu]) -> tuple[SignalFmu, ...]:
+    """FMUs after those that they read; in a loop the first of the scene comes first."""
+    left, found = list(fmus), []
+    while left:
+        waited_for = {fmu.name for fmu in left}
+        free = (fmu for fmu in left if waited_for.isdisjoint(signal.part for signal in fmu.inputs))
+        found.append(next(free, left[0]))
+        left.remove(found[-1])
     return tuple(found)
 
 
@@ -79,9 +101,15 @@ class _Reader:
     """Reads the table of one FMU against its model description and the parts, and gathers what is wrong."""
 
     def __init__(
-        self, table: Fmu, parts: Sequence[Part], lines: Sequence[HingeLine], problems: list[str]
+        self,
+        table: Fmu,
+        parts: Sequence[Part],
+        lines: Sequence[HingeLine],
+        readers: Mapping[str, _Reader],
+        problems: list[str],
     ) -> None:
-        self._table, self._problems = table, problems
+        self._table, self._readers, self._problems = table, readers, problems
+        self._told: dict[str, Signal] = {}
         self._parts = {part.name: part for part in parts}
         self._lines = {line.name: line for line in lines}
         self._description = _description(Path(table.file))
@@ -98,14 +126,8 @@ class _Reader:
             self._step(),
             {name: value for name, value in table.parameters.items() if self._is_start(name, value)},
             tuple(s for name, source in table.inputs.items() for s in self._input(name, source)),
-            tuple(
-                s
-                for name in table.outputs
-                for target in table.targets(name)
-                for s in self._output(name, target)
-            ),
-            tuple(s for name in table.outputs if not table.targets(name) for s in self._told(name)),
-            bool(table.inputs) and MEETS_RATES in self._variables,
+            tuple(s for name in table.outputs for s in self._output(name)),
+            is_wing=bool(table.inputs) and MEETS_RATES in self._variables,
         )
 
     def _note(self, key: str, sentence: str) -> None:
@@ -176,6 +198,9 @@ class _Reader:
         try:
             variable = self._signal_variable(name, "input")
             part, rest = self._part(source)
+            if part in self._readers:
+                yield self._from_fmu(variable, part, rest)
+                return
             sensor = self._lines[part].sensor if part in self._lines else part
             component = self._known(sensor).component()
             quantities = {
@@ -194,38 +219,66 @@ class _Reader:
             _unit(variable) or quantity.unit, variable.description or "", says_unit=_says_unit(variable),
         )  # fmt: skip
 
-    def _output(self, name: str, target: str) -> Iterator[Signal]:
-        key = f"outputs.{name}"
-        try:
-            variable = self._signal_variable(name, "output")
-            name_of_part, rest = self._part(target)
-            for part in self._lines[name_of_part].hinges if name_of_part in self._lines else (name_of_part,):
-                component, kind = self._known(part).component(), self._parts[part].kind
-                known = {q.name: q for q in component.parameter_layout.quantities}
-                tunable(rest.partition("[")[0], component, kind)
-                quantity, index = scalar(rest, known, kind)
-                impulse = self._is_impulse(variable, quantity.unit)
-                unit = _IMPULSES[quantity.unit] if impulse else quantity.unit
-                factor, offset = self._conversion(variable, unit)
-                start = quantity.start_values()
-                start[:] = self._parts[part].start.get(quantity.name, start)
-                yield Signal(
-                    name, variable.type, part, quantity.name, index, factor, offset,
-                    _unit(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
-                    _says_unit(variable),
-                )  # fmt: skip
-        except ValueError as error:
-            self._note(key, str(error))
+    def _from_fmu(self, variable: Any, part: str, output: str) -> Signal:  # noqa: ANN401 - of FMPy
+        """An input that is the output of an FMU; ValueError where there is none, or none of the same dimension."""
+        other = self._readers[part]
+        other.told(output)
+        source = other._signal_variable(output, "output")
+        theirs, ours, factor, offset = _unit(source), _unit(variable), 1.0, 0.0
+        if theirs and ours and theirs != ours:
+            common = next((unit for unit in (theirs, ours) if _is_known(unit)), None)
+            if common is None:
+                raise ValueError(f"is in {ours}, which cannot be converted to {theirs}")
+            (f, f_offset), (g, g_offset) = (
+                other._conversion(source, common), self._conversion(variable, common),
+            )  # fmt: skip
+            factor, offset = f / g, (f_offset - g_offset) / g
+        return Signal(
+            variable.name, variable.type, part, output, 0, factor, offset, ours or theirs or "1",
+            variable.description or "", says_unit=_says_unit(variable) or not theirs,
+        )  # fmt: skip
 
-    def _told(self, name: str) -> Iterator[Signal]:
-        """An output that sets nothing."""
+    def _output(self, name: str) -> Iterator[Signal]:
+        """What an output sets. Commands are events, see `assembly_events`."""
         try:
-            variable = self._signal_variable(name, "output")
+            self.told(name)
+            for target in self._table.targets(name):
+                yield from self._set(name, target)
         except ValueError as error:
             self._note(f"outputs.{name}", str(error))
-            return
+
+    def _set(self, name: str, target: str) -> Iterator[Signal]:
+        variable = self._signal_variable(name, "output")
+        name_of_part, rest = self._part(target)
+        for part in self._lines[name_of_part].hinges if name_of_part in self._lines else (name_of_part,):
+            component, kind = self._known(part).component(), self._parts[part].kind
+            if rest in COMMANDS and rest in component.input_layout:
+                continue
+            known = {q.name: q for q in component.parameter_layout.quantities}
+            tunable(rest.partition("[")[0], component, kind)
+            quantity, index = scalar(rest, known, kind)
+            impulse = self._is_impulse(variable, quantity.unit)
+            unit = _IMPULSES[quantity.unit] if impulse else quantity.unit
+            factor, offset = self._conversion(variable, unit)
+            start = quantity.start_values()
+            start[:] = self._parts[part].start.get(quantity.name, start)
+            yield Signal(
+                name, variable.type, part, quantity.name, index, factor, offset,
+                _unit(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
+                _says_unit(variable),
+            )  # fmt: skip
+
+    def told(self, name: str) -> Signal:
+        """An output as recorded, which events and other FMUs may read; ValueError where there is none."""
+        variable = self._signal_variable(name, "output")
         unit, text = _unit(variable) or "1", variable.description or ""
-        yield Signal(name, variable.type, "", "", 0, unit=unit, description=text)
+        return self._told.setdefault(
+            name, Signal(name, variable.type, "", "", 0, unit=unit, description=text)
+        )
+
+    def all_told(self) -> tuple[Signal, ...]:
+        """All of these so far."""
+        return tuple(self._told.values())
 
     def _part(self, path: str) -> tuple[str, str]:
         """Component and variable of "component.variable[1]"."""
@@ -238,7 +291,7 @@ class _Reader:
 
     def _known(self, name: str) -> Part:
         if name not in self._parts:
-            raise ValueError(unknown(name, [*self._lines, *self._parts], "component"))
+            raise ValueError(unknown(name, [*self._lines, *self._parts, *self._readers], "component"))
         return self._parts[name]
 
     def _is_impulse(self, variable: Any, unit: str) -> bool:  # noqa: ANN401 - of FMPy
@@ -287,6 +340,15 @@ class _Reader:
                 "unit an exponent of rad"
             )
         return factor / our_factor, 0.0 if variable.name in self._differences else offset / our_factor
+
+
+def _is_known(unit: str) -> bool:
+    """Whether it is a unit of components."""
+    try:
+        base_unit(unit)
+    except ComponentError:
+        return False
+    return True
 
 
 def _refuse_redefined(unit: str, base: Any) -> None:  # noqa: ANN401 - of FMPy

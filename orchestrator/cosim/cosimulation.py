@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from sys import float_info
 from typing import TYPE_CHECKING
 
 from components.contract.roles import HOLD
@@ -20,7 +21,6 @@ from .rows import Recorder
 from .scheduled_events import ScheduledEvents
 from .settings import Settings
 from .signals.exchange import SignalExchange
-from .signals.joined import recorded
 from .tables import coupling_tables, observed_place
 
 if TYPE_CHECKING:
@@ -60,18 +60,15 @@ class CoSimulation(ABC):
         self._bolted = bolted_hinges(hinge_lines)
         self._pending = [line for line in hinge_lines if line.latches]
         self._numbers = {line.name: number for number, line in enumerate(self._pending)}
-        conditional = [event for event in events if event.condition is not None]
-        self._numbers |= {
-            event.name: number for number, event in enumerate(conditional, start=len(self._pending))
-        }
-        conditions = [event.condition for event in conditional if event.condition is not None]
-        channels = sum(len(recorded(one.fmu)) for one in signals)
-        tables = coupling_tables(network, hinge_lines, conditions, settings, channels)
+        located = {e.name: e.condition for e in events if e.condition and not e.condition.is_sampled}
+        self._numbers |= {name: number for number, name in enumerate(located, start=len(self._pending))}
+        channels = sum(len(one.fmu.recorded()) for one in signals)
+        tables = coupling_tables(network, hinge_lines, [*located.values()], settings, channels)
         self.coupling = Coupling(network, tables, recorder)
         bodies = [body.name for body in network.bodies]
         self._signals = SignalExchange(signals, network.participants, self.coupling.observations, bodies)
         # no method of this object, whose rows would then stay in memory until a search for cycles
-        self._distance = partial(_distance, self.coupling, self._numbers)
+        self._distance = partial(_distance, self.coupling, self._numbers, self._signals)
         self._scheduled = ScheduledEvents(events, network.participants, self._distance)
 
     @property
@@ -98,10 +95,10 @@ class CoSimulation(ABC):
         if preload:
             self._lead_connections()
         self.coupling.start()
-        if holding := self._scheduled.holding(self._observed):
-            raise ParticipantError("; ".join(holding))
         if self._signals.is_any:
             self._exchange_signals(start=True)
+        if holding := self._scheduled.holding(self._observed):
+            raise ParticipantError("; ".join(holding))
         self._record_start()
 
     def _choose_orders(self) -> None:
@@ -147,7 +144,7 @@ class CoSimulation(ABC):
     def _act(self, event: Event) -> None:
         """Command the releases of an event and set its parameters; energies that these change count as supplied."""
         self._scheduled.take(event)
-        if event.condition is not None:
+        if event.name in self._numbers:
             self.coupling.pending[self._numbers[event.name]] = 0.0
         self.recorder.event(self.time, event.name, event.text)
         self._scheduled.release(event)
@@ -188,6 +185,8 @@ class CoSimulation(ABC):
 
     def _observed(self, condition: Condition) -> float:
         """The quantity of a condition, as last observed."""
+        if condition.is_sampled:
+            return self._signals.value(condition)
         return self.coupling.observations.item(observed_place(self.network.participants, condition))
 
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
@@ -197,6 +196,11 @@ class CoSimulation(ABC):
                 participant.inputs[participant.input_layout[name]] = value
 
 
-def _distance(coupling: Coupling, numbers: Mapping[str, int], one: HingeLine | Event) -> float:
+def _distance(
+    coupling: Coupling, numbers: Mapping[str, int], signals: SignalExchange, one: HingeLine | Event
+) -> float:
     """Distance of a line from its latch, or of a condition from being met; it falls through zero."""
-    return coupling.distance(numbers[one.name])
+    if isinstance(one, HingeLine) or one.condition is None or not one.condition.is_sampled:
+        return coupling.distance(numbers[one.name])
+    left = one.condition.value - signals.value(one.condition)
+    return (left if one.condition.rising else -left) or float_info.min  # the value itself is not beyond it

@@ -73,12 +73,12 @@ class ExplicitMaster(CoSimulation):
         size = self.settings.fixed_step or self.settings.largest_step
         while self.time < until - TIME_ROUNDING:
             self._engage_latches()
+            if self._signals.is_due(self.time):
+                self._take_signals()
             while (event := self._scheduled.due(self.time)) is not None:
                 self._act(event)
                 for line in [line for line in self._pending if line.name in event.latches]:
                     self._engage(line)
-            if self._signals.is_due(self.time):
-                self._exchange_signals()
             remaining = min(until, self._next_stop) - self.time
             h = remaining if remaining < 1.001 * size else size
             begin = perf_counter()
@@ -91,6 +91,13 @@ class ExplicitMaster(CoSimulation):
             self.coupling.observe()
             self.coupling.add_row(h, 1)
             self.settings.progress(self.time, h)
+        if self._signals.is_due(self.time):
+            self._take_signals()
+
+    def _take_signals(self) -> None:
+        """Let FMUs with signals act, and write a row with what they return."""
+        self._exchange_signals()
+        self.coupling.add_row(0.0, 0)
 
     def _engage_latches(self) -> None:
         """Command all hinges of a line whose sensor has latched by itself or reached the latch angle."""

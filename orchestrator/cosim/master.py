@@ -74,6 +74,9 @@ class Master(CoSimulation):
                     self._take_signals()
                 else:
                     self._advance(until)
+            if self._signals.is_due(self.time):
+                self._exchange_signals()
+                self.coupling.add_row(0.0, 0)
         finally:
             self.coupling.release_rows()
         sweeps, self.statistics.fmu_time = self.coupling.costs
@@ -168,6 +171,7 @@ class Master(CoSimulation):
             solved = self._record_jump(after)
             self._renew(coupling.step_after_jump(size, coupling.wrenches - before) if solved else 0.0)
         else:
+            coupling.add_row(0.0, 0)
             coupling.begin_segment()
             self._begin_segment()
         self._lets_go = False

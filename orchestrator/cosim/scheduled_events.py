@@ -33,8 +33,8 @@ class ScheduledEvents:
 
     @property
     def conditional(self) -> list[Event]:
-        """Pending events that wait for a condition."""
-        return [event for event in self.pending if event.condition is not None]
+        """Pending events that wait for a condition that a step can be ended at."""
+        return [event for event in self.pending if event.condition and not event.condition.is_sampled]
 
     @property
     def next_time(self) -> float:
@@ -51,7 +51,7 @@ class ScheduledEvents:
     def holding(self, observed: Callable[[Condition], float]) -> list[str]:
         """Sentences on conditions that are met already; observed: function for the quantity of a condition."""
         found = []
-        for event in self.conditional:
+        for event in self.pending:
             if (c := event.condition) is not None and self._distance(event) <= 0.0:
                 side, other = ("above", "below") if c.rising else ("below", "above")
                 found.append(

@@ -157,8 +157,8 @@ def _between(time: Vector, events: Sequence[Event], asked: float, side: Side) ->
     if first < beyond:
         row = first if side == "before" else beyond - 1
         return Place(row, row, 0.0)
-    if time.size == 1:
-        return Place(0, 0, 0.0)
-    right = min(max(first, 1), time.size - 1)
-    share = float((asked - time[right - 1]) / (time[right] - time[right - 1]))
-    return Place(right - 1, right, min(max(share, 0.0), 1.0))
+    if not time[0] < asked < time[-1]:
+        row = 0 if asked < time[0] else time.size - 1
+        return Place(row, row, 0.0)
+    share = float((asked - time[first - 1]) / (time[first] - time[first - 1]))
+    return Place(first - 1, first, share)

@@ -34,7 +34,6 @@ from ..cosim.participant import Participant, ParticipantError
 from ..cosim.ports import Order
 from ..cosim.rows import SCENE_CHANNELS, Recorder, recorded_layout
 from ..cosim.settings import Settings
-from ..cosim.signals.joined import recorded
 from ..cosim.snapshot import Snapshot
 from ..messages import message
 from ..results.earlier import SETTINGS
@@ -289,7 +288,9 @@ def _follow(
     """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
     groups = signal_groups(network)
-    groups += [SignalGroup.of(fmu.name, Layout(recorded(fmu)), "FMU") for fmu in assembly.signal_fmus]
+    groups += [
+        SignalGroup.of(fmu.name, Layout(fmu.recorded().values()), "FMU") for fmu in assembly.signal_fmus
+    ]
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     provenance |= {SETTINGS: str(asked[SETTINGS])} if SETTINGS in asked else {}
     same = {name: text for name, text in provenance.items() if name in _PACKAGES or name.startswith("fmu.")}
@@ -298,7 +299,7 @@ def _follow(
         resumed.refuse_other(assembly.name, same)
     recorder = _recorder(assembly, output, groups, provenance, resumed)
     with recorder as writer, ExitStack() as stack:
-        signals = _signal_processes(assembly, settings.tolerance, stack, warn)
+        signals = _signal_processes(assembly, settings.tolerance, end, stack, warn)
         try:
             runner = _runner(assembly, network, writer, settings, kind, signals)
         except ParticipantError as error:
@@ -350,7 +351,7 @@ def _runner(
 
 
 def _signal_processes(
-    assembly: Assembly, tolerance: float, stack: ExitStack, warn: Callable[[str], None]
+    assembly: Assembly, tolerance: float, until: float, stack: ExitStack, warn: Callable[[str], None]
 ) -> list[SignalProcess]:
     """A process for each FMU with signals; RunError if one cannot be started. Their warnings are issued at its end."""
     if not assembly.signal_fmus:
@@ -360,7 +361,7 @@ def _signal_processes(
     )
 
     try:
-        found = [stack.enter_context(SignalProcess(fmu, tolerance)) for fmu in assembly.signal_fmus]
+        found = [stack.enter_context(SignalProcess(fmu, tolerance, until)) for fmu in assembly.signal_fmus]
     except ParticipantError as error:
         raise RunError(f"{assembly.name}: {error}") from None
 

@@ -33,6 +33,7 @@ from ..validity.events import event_warnings
 from ..validity.linear_range import linear_range_warnings
 from ..validity.opened_joints import opened_joint_warnings
 from ..validity.sampled_loops import sampled_loop_warnings
+from ..validity.signal_fmus import order_of_fmus
 from ..validity.travel import travel_warnings
 from .checkpoint import Checkpoint, checkpoint_file
 from .error_estimate import with_estimates
@@ -235,6 +236,7 @@ def _before(scene: PlacedScene, options: Options, assembly: Assembly) -> Iterato
         "W-held-body", _held_sentences(assembly, {*options.flexible, *options.large_deformation})
     )
     yield from coded("W-spin", unstiffened_spins(scene, assembly))
+    yield from coded("N-fmu-order", order_of_fmus(assembly))
 
 
 def _after(scene: PlacedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import acos, degrees
 
 from components import Instance
@@ -82,12 +82,18 @@ def unknown_hinges(dampers: Iterable[Damper], hinges: Collection[str]) -> Iterat
             yield f"damper.{damper.name}.hinge: there is no hinge {damper.hinge!r}; hinges are {known}"
 
 
-def unknown_components(events: Iterable[Event], components: Collection[str]) -> Iterator[str]:
-    """Events about components that do not exist."""
+def unknown_components(
+    events: Iterable[Event], components: Sequence[str], fmus: Sequence[str]
+) -> Iterator[str]:
+    """Events about components, or conditions on components and FMUs, that do not exist."""
     for event in events:
-        for name, key in event.named.items():
-            if name not in components:
-                yield f"event.{event.name}.{key}: {name!r} {unknown(name, list(components), 'component')}"
+        found = [(f"event.{event.name}.{key}", name, components) for name, key in event.targets.items()]
+        if event.when is not None:
+            key = f"event.{event.name}.when.component"
+            found.append((key, event.when.component, [*components, *fmus]))
+        for key, name, known in found:
+            if name not in known:
+                yield f"{key}: {name!r} {unknown(name, list(known), 'component')}"
 
 
 def misplaced(bodies: Iterable[Body], points: Mapping[str, Mapping[str, Vector3] | None]) -> Iterator[str]:

@@ -11,10 +11,10 @@ from .units import quantity
 
 
 class When(Table):
-    """The condition of an event: an observation of a component, or of a line's sensor, passes a value."""
+    """The condition of an event: a signal of a component, of a line's sensor or of an FMU passes a value."""
 
     component: str
-    """Component, or hinge line for its sensor, that is watched."""
+    """Component, hinge line (its sensor) or FMU that is watched."""
     variable: str
     """One of its signals, of a vector with its number, such as "force[3]"."""
     above: Any = None
@@ -54,7 +54,6 @@ class Event(Table):
         return self
 
     @property
-    def named(self) -> dict[str, str]:
-        """Key in the table by name of every component that it is about."""
-        found = {name: "release" for name in self.release} | {name: f"set.{name}" for name in self.set}
-        return found if self.when is None else {**found, self.when.component: "when.component"}
+    def targets(self) -> dict[str, str]:
+        """Key in the table by name of every component that it acts on."""
+        return {name: "release" for name in self.release} | {name: f"set.{name}" for name in self.set}

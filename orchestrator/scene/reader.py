@@ -267,26 +267,27 @@ class _References:
         events = [(f"event.{name}", name) for name in self.events.names]
         fmus = [(f"fmu.{name}", name) for name in self.fmus.names]
         note(consistency.repeated_names([*components, *events, *fmus]))
-        note(consistency.unknown_components(self.events.sound, [name for _, name in components]))
+        known = [name for _, name in components]
+        note(consistency.unknown_components(self.events.sound, known, self.fmus.names))
         points = self._points()
         note(consistency.unknown_hinges(self.dampers.saying("hinge"), self._hinges()))
         if self.base is None:
             return False
-        known = [line for line in lines if line.inboard in points and line.outboard in points]
+        joined = [line for line in lines if line.inboard in points and line.outboard in points]
         loops, connections = self.loops.saying("pulley_1", "pulley_2"), self.connections.saying("ports")
-        found = list(attachments(known, loops, (), connections))  # dampers sit where hinges do
+        found = list(attachments(joined, loops, (), connections))  # dampers sit where hinges do
         placed = [body.name for body in self.bodies.sound if body.place is not None]
         lost = [
             note(consistency.unknown_bodies(lines, points)),
             note(consistency.unknown_places(found, points)),
             note(consistency.misplaced(self.bodies.sound, points)),
             note(consistency.repeated_ports(found)),
-            note(consistency.misdirected(self.base.name, known, placed)),
+            note(consistency.misdirected(self.base.name, joined, placed)),
         ]
-        if len(known) < self.lines.total or lost[-1]:
+        if len(joined) < self.lines.total or lost[-1]:
             return False  # of a broken tree nobody can say what hangs on it
         carried = [body.name for body in self.bodies.sound if body.place is None]
-        lost.append(note(consistency.disconnected(self.base.name, carried, known)))
+        lost.append(note(consistency.disconnected(self.base.name, carried, joined)))
         all_sound = len(self.lines.sound) == self.lines.total and None not in points.values()
         return all_sound and not any(lost)
 

@@ -40,10 +40,10 @@ class Fmu(Table):
     inputs: dict[str, str] = Field(default_factory=dict)
     """By the FMU's names, where each comes from: "component.variable" or "component.variable[1]".
 
-    A signal, or an output such as the motion of a body's port.
+    A signal, an output such as the motion of a body's port, or the output of another FMU.
     """
     outputs: dict[str, str | tuple[str, ...]] = Field(default_factory=dict)
-    """By the FMU's names, the tunable parameter that each sets, or several; an empty list for what is only recorded."""
+    """By the FMU's names, the tunable parameter or command that each sets, or several; [] for what is only recorded."""
 
     @model_validator(mode="after")
     def _is_joined(self) -> Self:

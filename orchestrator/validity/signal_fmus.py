@@ -19,6 +19,7 @@ def signal_fmu_warnings(assembly: Assembly, scene: PlacedScene) -> Iterator[str]
             yield from coded("W-fmu-unit", _bare_units(fmu))
             yield from coded("W-fmu-hinges", _of_several_hinges(fmu, table, assembly.hinge_lines))
             yield from coded("W-fmu-events", _set_by_events(fmu, assembly.events))
+            yield from coded("W-fmu-delay", _read_late(fmu, assembly.signal_fmus))
             if fmu.is_wing:
                 yield from coded("W-fmu-wing", _driven_wing(fmu))
 
@@ -37,7 +38,7 @@ def _bare_units(fmu: SignalFmu) -> Iterator[str]:
 def _of_several_hinges(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
     """Loads addressed by the name of a line with several hinges."""
     hinges = {line.name: line for line in lines if len(line.hinges) > 1}
-    units = {s.variable: s.unit for s in (*fmu.inputs, *fmu.outputs)}
+    units = {name: quantity.unit for name, quantity in fmu.recorded().items()}
     for name, source in table.inputs.items():
         line = hinges.get(source.partition(".")[0])
         if line is not None and "N" in units[name]:
@@ -66,6 +67,28 @@ def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
                     f"event.{event.name}: it sets {setting.part}.{setting.parameter}, which the FMU {fmu.name} "
                     "sets as well. From the event on the value of the event applies."
                 )
+
+
+def _read_late(fmu: SignalFmu, fmus: Sequence[SignalFmu]) -> Iterator[str]:
+    """Inputs from FMUs that step after this one, or from itself."""
+    late = {one.name for one in fmus[fmus.index(fmu) :]}
+    for signal in fmu.inputs:
+        if signal.part in late:
+            yield (
+                f"fmu.{fmu.name}.inputs.{signal.variable}: it reads {signal.part}.{signal.quantity} in a loop of "
+                f"FMUs, so it gets the value of the previous step. Reduce the step of {signal.part} if this delay "
+                "matters."
+            )
+
+
+def order_of_fmus(assembly: Assembly) -> Iterator[str]:
+    """In which order FMUs that read each other step."""
+    names = [fmu.name for fmu in assembly.signal_fmus]
+    if any(signal.part in names for fmu in assembly.signal_fmus for signal in fmu.inputs):
+        yield (
+            f"{assembly.name}: FMUs with the same communication point step in the order {', '.join(names)}. Each "
+            "reads the outputs of those before it without delay."
+        )
 
 
 def _driven_wing(fmu: SignalFmu) -> Iterator[str]:

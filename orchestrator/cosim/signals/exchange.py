@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...assembly import Event
+from ...assembly import Condition, Event
 from ..participant import Participant, Vector
-from .joined import JoinedFmu, Participants, recorded
+from .joined import JoinedFmu, Participants
 
 if TYPE_CHECKING:
     from .process import SignalProcess
@@ -22,8 +22,8 @@ class SignalExchange:
     """Steps FMUs with signals together with the participants, each from one of its communication points to the next.
 
     An FMU steps when the participants have reached the end of its step, with the inputs there; its outputs act on them
-    from then on (zero-order hold).
-    observations: of all participants in order. bodies: names of the bodies. values: recorded signals, see `recorded`.
+    from then on (zero-order hold). At one time FMUs step in their order, each with the last outputs of the others.
+    observations: of all participants in order. bodies: names of the bodies. values: recorded signals of all FMUs.
     """
 
     def __init__(
@@ -33,10 +33,19 @@ class SignalExchange:
         observations: Vector,
         bodies: Sequence[str],
     ) -> None:
-        self._participants = known = Participants(participants, observations)
-        sizes = [len(recorded(one.fmu)) for one in processes]
+        sizes = [len(one.fmu.recorded()) for one in processes]
         self.values = np.zeros(sum(sizes))
         ends = np.cumsum([0, *sizes]).tolist()
+        given = {
+            (one.fmu.name, name): (self.values, end - len(one.outputs) + k)
+            for one, end in zip(processes, ends[1:], strict=True)
+            for k, name in enumerate(one.outputs)
+        }
+        names = (
+            (one.fmu.name, quantity.name) for one in processes for quantity in one.fmu.recorded().values()
+        )
+        self._places = {key: place for place, key in enumerate(names)}
+        self._participants = known = Participants(participants, observations, given)
         self._all = [
             JoinedFmu(one, known, self.values[a:b])
             for one, a, b in zip(processes, ends[:-1], ends[1:], strict=True)
@@ -66,6 +75,10 @@ class SignalExchange:
         """Whether an FMU has come to the end of its step."""
         return self.next_time <= time + _REACHED
 
+    def value(self, condition: Condition) -> float:
+        """The signal of a condition at the last communication point."""
+        return self.values.item(self._places[condition.part, condition.variable])
+
     def start(self) -> bool:
         """Initialise all at t = 0; whether that changed anything."""
         return any([one.start() for one in self._all])
@@ -77,7 +90,7 @@ class SignalExchange:
     def exchange(self, time: float) -> bool:
         """Step all that have reached the end of their step; whether they changed anything.
 
-        Their inputs are those before any of them sets something.
+        Inputs from participants are those before any of them sets something.
         """
         due = [k for k in range(len(self._all)) if self._next(k) <= time + _REACHED]
         given = []

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from components import Quantity
-
-from ...assembly import Signal, SignalFmu
+from ...assembly import Signal
 from ..participant import Participant, ParticipantError, Vector, first_observations
 
 if TYPE_CHECKING:
@@ -18,15 +16,6 @@ if TYPE_CHECKING:
 
 Target = tuple[str, str]
 """Name of a participant, and of a parameter of it."""
-
-
-def recorded(fmu: SignalFmu) -> tuple[Quantity, ...]:
-    """What is recorded of an FMU: its inputs and its outputs, in its own units."""
-    signals = {s.variable: s for s in (*fmu.inputs, *fmu.outputs, *fmu.told)}
-    return tuple(
-        Quantity(name.replace("/", "_"), s.unit, s.description or f"Signal of {fmu.path.name}")
-        for name, s in signals.items()
-    )
 
 
 @dataclass(slots=True)
@@ -42,10 +31,19 @@ class _Place:
 
 
 class Participants:
-    """Participants as sources and targets of signals. observations: of all participants in order."""
+    """Participants as sources and targets of signals. observations: of all participants in order.
 
-    def __init__(self, participants: Sequence[Participant], observations: Vector) -> None:
+    given: values of the outputs of FMUs, by name of FMU and variable, as an array and a place in it.
+    """
+
+    def __init__(
+        self,
+        participants: Sequence[Participant],
+        observations: Vector,
+        given: Mapping[tuple[str, str], tuple[Vector, int]],
+    ) -> None:
         self._by_name = {p.name: p for p in participants}
+        self._given = given
         self._firsts = first_observations(participants)
         self._observations = observations
         self._parameters: dict[Target, Vector] = {}
@@ -53,6 +51,8 @@ class Participants:
 
     def source(self, signal: Signal) -> _Place:
         """Where an input of an FMU comes from."""
+        if (of_fmu := self._given.get((signal.part, signal.quantity))) is not None:
+            return _Place(*of_fmu, signal)
         participant = self._by_name[signal.part]
         if signal.quantity in participant.observation_layout:
             first = self._firsts[signal.part] + participant.observation_layout[signal.quantity].start
@@ -104,19 +104,23 @@ class JoinedFmu:
 
     def start(self) -> bool:
         """Initialise it at t = 0; whether that changed anything."""
-        given = self._named(self.process.open(self.inputs()), 0.0)
+        inputs = self.inputs()
+        given = self._named(self.process.open(inputs), 0.0)
         self._last = given
+        self._note(inputs, given)
         changed = self._participants.set(
             ((s, s.arriving(given[s.variable])) for s in self.fmu.outputs if not s.is_impulse),
             self.fmu.name,
             0.0,
         )
-        self._note(given)
         return changed
 
     def sample(self, time: float, h: float) -> Mapping[str, float]:
         """Its outputs after a step from a time (s) over h, with the inputs of the end."""
-        return self._named(self.process.sample(time, h, self.inputs()), time + h)
+        inputs = self.inputs()
+        given = self._named(self.process.sample(time, h, inputs), time + h)
+        self._note(inputs, given)
+        return given
 
     def take(self, given: Mapping[str, float], h: float, time: float) -> bool:
         """Set the targets of its outputs at a time (s), after a step over h (s); whether that changed anything."""
@@ -127,7 +131,6 @@ class JoinedFmu:
             time,
         )  # fmt: skip
         self._last = given
-        self._note(given)
         return changed
 
     def _growth(self, signal: Signal, given: Mapping[str, float]) -> float:
@@ -144,8 +147,6 @@ class JoinedFmu:
                 raise ParticipantError(f"{self.fmu.name}: its output {name} is {value} at t = {time:.6g} s")
         return given
 
-    def _note(self, given: Mapping[str, float]) -> None:
-        """Its signals at its last communication point, for the record."""
-        shown = dict(zip((s.variable for s in self.fmu.inputs), self.inputs(), strict=True))
-        shown |= given
-        self._values[: len(shown)] = list(shown.values())
+    def _note(self, inputs: Sequence[float], given: Mapping[str, float]) -> None:
+        """Its signals at its last communication point, for the record and for other FMUs."""
+        self._values[:] = [*inputs, *given.values()]

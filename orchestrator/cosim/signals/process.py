@@ -22,17 +22,18 @@ _MOST_WARNINGS = 5
 class SignalProcess:
     """An FMU in its own process; a context manager. ParticipantError if it fails, crashes or hangs.
 
-    tolerance: relative accuracy passed to the FMU. longest_call: time (s) after which a call counts as hanging.
-    seconds: wall time spent waiting for it.
+    tolerance, until: relative accuracy and end (s) of the run, passed to the FMU. longest_call: time (s) after which a
+    call counts as hanging. seconds: wall time spent waiting for it.
     """
 
-    def __init__(self, fmu: SignalFmu, tolerance: float, longest_call: float = LONGEST_CALL) -> None:
-        self.fmu, self._tolerance = fmu, tolerance
+    def __init__(
+        self, fmu: SignalFmu, tolerance: float, until: float, longest_call: float = LONGEST_CALL
+    ) -> None:
+        self.fmu, self._tolerance, self._until = fmu, tolerance, until
         self.seconds = 0.0
         self._warnings: dict[str, float] = {}  # and when (s) first
         self._inputs = tuple(signal.variable for signal in fmu.inputs)
-        # one output may set several parameters
-        self.outputs = tuple(dict.fromkeys(signal.variable for signal in (*fmu.outputs, *fmu.told)))
+        self.outputs = tuple(dict.fromkeys(signal.variable for signal in (*fmu.told, *fmu.outputs)))
         self._folder = TemporaryDirectory(dir=process_folder(), ignore_cleanup_errors=True)
         try:
             unpack(fmu.path, Path(self._folder.name))
@@ -49,13 +50,14 @@ class SignalProcess:
         action = "be initialised at t = 0 s"
         start, inputs = dict(self.fmu.start), self._named(values)
         self._request(0.0, action, "instantiate", self._folder.name, self.fmu.name)
-        self._request(0.0, action, "initialize", start, inputs, self._tolerance)
+        self._request(0.0, action, "initialize", start, inputs, self._tolerance, self._until)
         found: list[float] = self._request(0.0, action, "get", self.outputs)
         return found
 
     def sample(self, time: float, h: float, values: Sequence[float]) -> list[float]:
         """The outputs after a step from a time (s) over h, with the inputs of its end."""
         action = f"do a step of {h:g} s at t = {time:.6g} s"
+        h = min(h, self._until - time)  # sums of steps may pass the end by round-off
         found: list[float] = self._request(
             time + h, action, "sample", time, h, self._named(values), self.outputs
         )

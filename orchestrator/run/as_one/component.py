@@ -94,6 +94,8 @@ class AssembledScene(Component, registered=False):
                 raise ComponentError(
                     f"{part.name}: a {part.kind} comes from outside and has no native kernel"
                 )
+        events = [one for one in assembly.events if one.condition is None or not one.condition.is_sampled]
+        assembly = replace(assembly, events=tuple(events))  # those of FMUs stay outside, as these do
         self._made = [(part, REGISTRY[part.kind](**part.structure)) for part in assembly.parts]
         made = [InProcess(p.name, c, p.start) for p, c in self._made]
         network = Network.ordered(made, assembly.links, order)

@@ -92,7 +92,7 @@ def test_no_participant_unpacks_what_check_refuses(sound, tmp_path, monkeypatch)
         name, path, inputs, outputs, told = "a", sound, (), (), ()
 
     with pytest.raises(ParticipantError, match="unpack"):
-        SignalProcess(Asked, 1e-4)
+        SignalProcess(Asked, 1e-4, 1.0)
 
 
 @pytest.mark.parametrize("damage", [name for name in ARCHIVES if "damaged" in name or name == "encrypted"])

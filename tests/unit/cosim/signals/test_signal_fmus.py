@@ -86,10 +86,10 @@ def test_parameters_are_set(controller):
 
 
 def test_whole_numbers_and_truth_values_are_signals(controller):
-    """Definition: 19 steps before the end, and an angle beyond 0.01 rad; both without unit, one sets a torque."""
+    """Definition: 20 steps up to the end, and an angle beyond 0.01 rad; both without unit, one sets a torque."""
     joined = {"count": "wheel.added_torque", "is_large": "thruster.added_force"}
     run = fanfold.simulate(controlled(controller, outputs=joined), estimate=False)
-    assert run["wheel", "applied_torque"][-1] == 19.0
+    assert run["wheel", "applied_torque"][-1] == 20.0
     assert set(np.unique(run["thruster", "applied_force"][:])) == {0.0, 1.0}
 
 
@@ -238,7 +238,7 @@ def test_good_news_is_no_reason_of_a_failure(tmp_path):
 def test_an_fmu_may_ask_for_the_end(tmp_path):
     """FMI 2.0, 4.2.1: a step is discarded and fmi2Terminated is true, which PythonFMU answers of do_step's False."""
     file = slave(tmp_path, fault="return self.count < 3")
-    with SignalProcess(SignalFmu("controller", file, STEP, {}, (), ()), 1e-4) as one:
+    with SignalProcess(SignalFmu("controller", file, STEP, {}, (), ()), 1e-4, 1.0) as one:
         one.open([])
         one.sample(0.0, STEP, [])
         one.sample(STEP, STEP, [])
@@ -258,7 +258,7 @@ def test_what_an_fmu_warns_of_is_told_once(tmp_path):
 def test_an_fmu_that_hangs_is_ended(tmp_path):
     """A call that does not come to its end in the time that it is given."""
     file = slave(tmp_path, fault="time.sleep(60)")
-    with SignalProcess(SignalFmu("controller", file, STEP, {}, (), ()), 1e-4, longest_call=3.0) as one:
+    with SignalProcess(SignalFmu("controller", file, STEP, {}, (), ()), 1e-4, 1.0, longest_call=3.0) as one:
         one.open([])
         with pytest.raises(ParticipantError, match=r"controller: .* 0\.05 s .* 3 s"):
             one.sample(0.0, STEP, [])
