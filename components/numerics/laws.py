@@ -69,6 +69,27 @@ class Linear:
         return self.stiffness
 
 
+class Sum:
+    """Laws that act together."""
+
+    __slots__ = ("laws",)
+
+    def __init__(self, *laws: Law) -> None:
+        self.laws = laws
+
+    def value(self, s: float) -> float:
+        """Force at s."""
+        return sum(law.value(s) for law in self.laws)
+
+    def potential(self, s: float) -> float:
+        """Energy at s."""
+        return sum(law.potential(s) for law in self.laws)
+
+    def tangent(self, s0: float, s1: float) -> float:
+        """Sum of the tangents."""
+        return sum(law.tangent(s0, s1) for law in self.laws)
+
+
 class SlackSpring:
     """Tension-only strand: force -k (s + s0) while taut, zero while slack; s0 the elongation of the preload."""
 

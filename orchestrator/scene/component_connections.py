@@ -16,6 +16,7 @@ from components.hinge import Hinge
 
 from .bodies import StartPose
 from .connection_tables import Connection
+from .joint_presets import DISTANCE
 from .units import QUANTITY, UNITS, written
 
 WrenchMode = Literal["mean", "endpoint"]
@@ -78,6 +79,8 @@ def connection_problems(connection: Connection) -> Iterator[str]:
             yield f"{key}.ports.{name}: " + (
                 "is missing" if name in ports else f"is no port; ports are {', '.join(ports)}"
             )
+    if connection.preset == DISTANCE and "preload_length" not in connection.parameters:
+        yield f"{key}.parameters.preload_length: is missing; give the distance that the joint holds"
     yield from _parameter_problems(key, connection, component)
 
 

@@ -10,7 +10,9 @@ from .plausible import Plausible
 from .table import Y_AXIS, Axis, Name, Orientation, Seat, Table
 from .units import Damping, Force, PeakRate, Radius, Stiffness, TurningDamping
 
-Preset = Literal["spherical", "revolute", "cylindrical", "prismatic", "universal", "fixed", "bushing"]
+Preset = Literal[
+    "spherical", "revolute", "cylindrical", "prismatic", "universal", "fixed", "bushing", "distance"
+]
 
 
 class Pulley(Seat):
@@ -62,7 +64,7 @@ class Connection(Table):
     name: Name
     """Name of the connection."""
     kind: str
-    """Kind of component, of this package or a plugin; with a preset it is a hinge."""
+    """Kind of component, of this package or a plugin; with a preset a hinge or a spring."""
     preset: Preset | None = None
     """The joint that a hinge is, x along its line, stiff as [joint] says; it is closed where bodies are placed."""
     axes: Orientation | None = None

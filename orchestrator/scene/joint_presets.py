@@ -21,30 +21,46 @@ CONSTRAINED = {
     "bushing": (_FREE, _FREE),
 }
 """What a joint holds, 1, along and about its line and the two axes across, by the name of the preset."""
+DISTANCE = "distance"
+"""Preset that holds the distance of two points, by a stiff spring."""
 
 
 def with_presets(tree: Tree) -> Tree:
-    """The tree where connections with a preset are hinges with their stiffnesses, unless they say others."""
+    """The tree where connections with a preset are components with their stiffnesses, unless they say others."""
     entries = tree.get("connection")
     if not isinstance(entries, list):
         return tree
-    return {**tree, "connection": [_hinge(tree, e) if _has_preset(e) else e for e in entries]}
+    return {**tree, "connection": [_joined(tree, e) if _has_preset(e) else e for e in entries]}
 
 
 def _has_preset(entry: object) -> bool:
-    return isinstance(entry, dict) and str(entry.get("preset")) in CONSTRAINED
+    return isinstance(entry, dict) and str(entry.get("preset")) in (*CONSTRAINED, DISTANCE)
 
 
-def _hinge(tree: Tree, entry: Tree) -> Tree:
+def _joined(tree: Tree, entry: Tree) -> Tree:
     given, structure = entry.get("parameters", {}), entry.get("structure", {})
     if not isinstance(given, dict) or not isinstance(structure, dict):
         return entry
+    if entry["preset"] == DISTANCE:
+        return {**entry, "kind": entry.get("kind", "spring"), "parameters": _rod(tree, given) | given}
     return {
         **entry,
         "kind": entry.get("kind", "hinge"),
         "structure": {"axis": _AXIS} | structure,
         "parameters": _parameters(tree, entry["preset"], given) | given,
     }
+
+
+def _rod(tree: Tree, given: Tree) -> Tree:
+    """Stiffness and damping along the line between two points."""
+    joint, time = _joint(tree)
+    stiffness = joint.radial_stiffness
+    if "stiffness" in given:
+        try:
+            stiffness = to_si(given["stiffness"], "N/m")
+        except ValueError:
+            return {}  # whoever reads the parameters says so
+    return {"stiffness": stiffness, "damping": time * stiffness}
 
 
 def _parameters(tree: Tree, preset: str, given: Tree) -> Tree:

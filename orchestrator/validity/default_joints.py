@@ -65,7 +65,7 @@ def _stiff_by_default(scene: PlacedScene) -> Iterator[tuple[str, Vector]]:
         yield hinge.name, of(hinge.kind, axial, (hinge.translational_stiffness, hinge.rotational_stiffness))
     written = {entry["name"]: entry for entry in whole_tree(dict(scene.tree)).get("connection", ())}
     for joint in scene.connections:
-        if joint.preset is not None:
+        if joint.preset in CONSTRAINED:
             own = written[joint.name].get("parameters", {})
             yield (
                 joint.name,

@@ -19,6 +19,7 @@ from ..messages import coded, message
 from ..scene.component_connections import first_number
 from ..scene.connection_tables import Connection
 from ..scene.freedoms import singular_start_warnings
+from ..scene.joint_presets import CONSTRAINED
 from ..scene.placed_scene import PlacedScene
 from ..scene.plausible import Plausible
 
@@ -146,7 +147,7 @@ def _open_at_the_start(scene: PlacedScene) -> Iterator[str]:
 
 def _turned_to_close(scene: PlacedScene) -> Iterator[str]:
     """Placed bodies that joints rotate far from their placed attitude."""
-    bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
+    bare = [one for one in scene.connections if one.preset in CONSTRAINED and one.axes is None]
     for name, angle in scene.closed.turned.items() if bare else ():
         if angle > _TURNED:
             joints = ", ".join(one.name for one in bare if name in {seat.body for seat in one.ports.values()})

@@ -20,7 +20,7 @@ from ...scene.loops.coupled_lines import (
 )
 
 _CABLE, _DRIVE, _MOTOR = "ccl", "drive", "motor_"
-_PULLING = ("load", "suspension", "drag")
+_PULLING = ("load", "spring", "suspension", "drag")
 """Kinds whose torques on lines depend on the positions of bodies."""
 _AT_RATES = "its inertial loads depend on all angles and rates; `fanfold run` computes them"
 _AT_POSES = "its torque on a line depends on all angles; `fanfold analyse equilibrium --sweep` computes it"

@@ -29,14 +29,15 @@ from components.numerics.motion_law import MotionLaw
 from components.point_motion import PointMotion
 
 from ..bodies import StartPose
-from ..component_connections import component_values
+from ..component_connections import component_values, first_number
 from ..connection_tables import Connection
 from ..hinge_line_tables import HingeLine
-from ..joint_presets import CONSTRAINED
+from ..joint_presets import CONSTRAINED, DISTANCE
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 _AXES = ("x", "y", "z")
+_NO_TURN: Quaternion = (1.0, 0.0, 0.0, 0.0)
 _SAMPLES = 257  # times where a law is looked at beside its breaks
 
 
@@ -52,7 +53,7 @@ class Constraint(NamedTuple):
     """What a connection holds: along and about the axes of its inboard port (each 0 or 1); a distance (m) it commands.
 
     driven: it is a motion, not a joint. travel: the farthest (m) that its law leads from there during the scene. rate:
-    (m/s) that it commands at the start.
+    (m/s) that it commands at the start. between: `along` x alone, which has the direction from port to port.
     """
 
     connection: str
@@ -64,9 +65,12 @@ class Constraint(NamedTuple):
     driven: bool
     travel: float = 0.0
     rate: float = 0.0
+    between: bool = False
 
     def names(self) -> list[str]:
         """One a row."""
+        if self.between:
+            return [f"{self.connection}: distance"]
         held = [(f"along {axis}", is_held) for axis, is_held in zip(_AXES, self.along, strict=True)]
         held += [(f"about {axis}", is_held) for axis, is_held in zip(_AXES, self.about, strict=True)]
         return [f"{self.connection}: {text}" for text, is_held in held if is_held]
@@ -74,9 +78,11 @@ class Constraint(NamedTuple):
     def rows(self, poses: Mapping[str, StartPose]) -> tuple[Vector, dict[str, Matrix]]:
         """How far it is open (rows,), and the derivatives (rows, 6) by the displacements of both bodies."""
         a, b = poses[self.inboard.body], poses[self.outboard.body]
-        frame = multiply(a.orientation, self.inboard.axes)
         arm_a, arm_b = rotate(a.orientation, self.inboard.arm), rotate(b.orientation, self.outboard.arm)
         gap = subtract(add(b.position, arm_b), add(a.position, arm_a))
+        frame = multiply(a.orientation, self.inboard.axes)
+        if self.between and any(gap):
+            frame = frame_with_x_along(gap)
         offset = np.array(rotate_back(frame, gap)) - (self.distance, 0.0, 0.0)
         relative = multiply(conjugate(frame), multiply(b.orientation, self.outboard.axes))
         back = rotation_matrix(frame).T
@@ -123,6 +129,9 @@ def constraints(
     """
     for connection in connections:
         is_motion = connection.kind == PointMotion.kind
+        if connection.preset == DISTANCE:
+            yield _rod(connection, points)
+            continue
         if not (is_motion or connection.preset in CONSTRAINED):
             continue
         line = _line(connection)
@@ -135,8 +144,10 @@ def constraints(
         else:
             (along, about), commanded = _held(connection), (0.0, 0.0, 0.0)
         if any((*along, *about)):
-            distance, *led = commanded
-            yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion, *led)
+            distance, travel, rate = commanded
+            yield Constraint(
+                connection.name, inboard, outboard, along, about, distance, is_motion, travel, rate
+            )
 
 
 def hinge_constraints(
@@ -151,6 +162,17 @@ def hinge_constraints(
             outboard = Seated(line.outboard, points[line.outboard][hinge.outboard], turn)
             if any((*along, *about)):
                 yield Constraint(hinge.name, inboard, outboard, along, about, 0.0, False)
+
+
+def _rod(connection: Connection, points: Mapping[str, Mapping[str, Vector3]]) -> Constraint:
+    """Of a connection that holds the distance of its ports."""
+    inboard, outboard = (
+        Seated(seat.body, add(points[seat.body][seat.point], seat.offset), _NO_TURN)
+        for seat in (connection.ports["inboard"], connection.ports["outboard"])
+    )
+    length = first_number(connection, "preload_length")
+    along, about = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    return Constraint(connection.name, inboard, outboard, along, about, length, False, between=True)
 
 
 def _held(connection: Connection) -> tuple[Vector3, Vector3]:
@@ -178,7 +200,7 @@ def _seated(
     line: Quaternion,
 ) -> Seated:
     seat = connection.ports[port]
-    turn = (1.0, 0.0, 0.0, 0.0)
+    turn = _NO_TURN
     if connection.axes is not None:
         turn = multiply(conjugate(written[seat.body].orientation), connection.axes.quaternion)
     return Seated(seat.body, add(points[seat.body][seat.point], seat.offset), multiply(turn, line))

@@ -62,6 +62,7 @@ SUBJECTS = {
     "moving_base": MovingBase.example,
     "point_motion": lambda: endpoint("point_motion"),
     "rail": lambda: endpoint("rail"),
+    "spring": lambda: endpoint("spring"),
     "suspension": lambda: endpoint("suspension"),
 }
 

@@ -15,6 +15,7 @@ from components.load import Load
 from components.moving_base import MovingBase
 from components.point_motion import PointMotion
 from components.rail import Rail
+from components.spring import Spring
 from components.suspension import Suspension
 from tests.references.relative_motion import inputs, port_motion
 from tests.unit.components.prepared import prepared
@@ -74,7 +75,12 @@ def test_a_preload_needs_stiffness_along_its_axis_only():
 
 
 @pytest.mark.parametrize(
-    ("kind", "start", "words"), [(CableLoop, {"radius_1": 2.0}, "radii"), (Suspension, {}, "one point")]
+    ("kind", "start", "words"),
+    [
+        (CableLoop, {"radius_1": 2.0}, "radii"),
+        (Suspension, {}, "one point"),
+        (Spring, {"stiffness": 5.0}, "one point"),
+    ],
 )
 def test_places_of_ports(kind, start, words):
     """Pulleys 1 m apart, closer than their radii, and a spring without a length."""

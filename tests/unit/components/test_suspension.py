@@ -123,7 +123,7 @@ def test_action_is_reaction_and_work_is_energy(first, second, turns, about):
     y = component.step(c, x, after, 0.1)
     wrench = component.outputs(c, y, after)
     assert resultant(wrench, before, after, 2, about) == pytest.approx(np.zeros(6), abs=1e-12)
-    (_, _, old, _), (_, _, stored, heat) = (
+    (_, _, old, *_), (_, _, stored, heat, _) = (
         component.observe(c, state, u) for state, u in ((x, before), (y, after))
     )
     assert heat >= -1e-14
@@ -139,7 +139,7 @@ def test_slack_gives_nothing():
     x = component.initial(c, u0)
     y = component.step(c, x, u1, 0.1)
     assert np.all(component.outputs(c, y, u1) == 0.0)
-    assert component.observe(c, y, u1) == pytest.approx((slack - 0.01, 0, 0, 0))
+    assert component.observe(c, y, u1) == pytest.approx((slack - 0.01, 0, 0, 0, 0))
     taut = inputs(component, port_motion(), port_motion((0, 0, -slack - 0.03)))
     z = component.step(c, y, taut, 0.1)
     # three quarters of the stretch of 0.04 m are taut, at a rate of 0.4 m/s

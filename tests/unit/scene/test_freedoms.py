@@ -9,8 +9,9 @@ from click.testing import CliRunner
 import orchestrator as fanfold
 from components.contract.frames import exponential, multiply, rotate
 from orchestrator.cli.main import main
-from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene import SceneError, find_scene, load_scene
 from orchestrator.scene.freedoms import find_constraints
+from tests.references.edits import edited
 from tests.unit.scene.test_loops import FOUR_BAR, scene_of
 
 HEIGHTS = {"generic": 0.5, "folded": 0.0, "straight": 1.0}
@@ -134,3 +135,16 @@ def test_a_bent_universal_joint_is_held_about_the_normal_of_its_cross():
     moved = ({**scene.poses, "shaft": shaft._replace(orientation=turn)} for turn in turns)
     slope = np.array([joint.rows(poses)[0][-1] for poses in moved])
     assert slope / np.linalg.norm(slope) == pytest.approx(row, abs=1e-6)
+
+
+def test_a_distance_joint_takes_one_freedom_and_closes():
+    """A rod of 2 m: the body moves along the line to it, and the row is the direction of the line."""
+    rod = edited(
+        UNIVERSAL, ('preset = "universal"', 'preset = "distance"\nparameters = { preload_length = "2 m" }')
+    )
+    scene = scene_of(edited(rod, ("offset = [0.01, 0.02, 0]", "offset = [0, 1.6, 1.3]")))
+    found = find_constraints(scene)
+    assert (found.count, found.freedoms) == (1, 5)
+    assert scene.poses["shaft"].position == pytest.approx(2.0 * np.array((0, 1.6, 1.3)) / np.hypot(1.6, 1.3))
+    with pytest.raises(SceneError, match=r"preload_length: is missing"):
+        scene_of(edited(UNIVERSAL, ('"universal"\nports', '"distance"\nports')))
