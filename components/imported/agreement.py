@@ -187,8 +187,8 @@ def _rigid(model: FiniteElementModel, mass: Vector, first: float) -> Iterator[Fi
     if share > _GROUNDED:
         problem = (
             f"rigid motions cost energy: they have {highest:.3g} Hz, and the first elastic mode has "
-            f"{first:.3g} Hz; the model is constrained, a node has wrong coordinates, a unit is wrong, or its "
-            "numbers have too few digits (seven, or single precision; write eleven)"
+            f"{first:.3g} Hz; the model is constrained, a part moves freely, a node has wrong coordinates, a unit is "
+            "wrong, or its numbers have too few digits (seven, or single precision; write eleven)"
         )
     yield Finding("rigid motions", f"up to {highest:.2g} Hz", problem)
     yield Finding("first elastic mode, free", f"{first:.6g} Hz" if first < inf else "none")

@@ -11,6 +11,7 @@ from ..flexible.modal import ModalData
 from . import agreement
 from .agreement import NOTHING_STATED, Finding, Stated
 from .data import FiniteElementData, checked, in_si, without_empty
+from .hourglass import with_stiffness_everywhere
 from .massless_dofs import with_mass_everywhere
 from .model import finite_element_model
 from .points import JoinedPoint, with_means, with_rigid_elements
@@ -67,10 +68,11 @@ def _loaded(body: ImportedBody) -> tuple[FiniteElementData, FiniteElementModel, 
     symmetry = agreement.check_symmetry(data)
     agreement.refuse(symmetry)
     data = replace(data, stiffness=agreement.symmetric(data.stiffness), mass=agreement.symmetric(data.mass))
-    data, rigid = with_rigid_elements(data, body.rigid_elements)
+    sections = [JoinedPoint(name, (node,)) for name, node in body.attachment_points if node in data.members]
+    data, rigid = with_rigid_elements(data, [*body.rigid_elements, *sections])
     data, means = with_means(data, body.means)
     points = {**dict(body.attachment_points), **rigid, **means}
-    data = with_mass_everywhere(without_empty(data, points.values()))
+    data = with_mass_everywhere(with_stiffness_everywhere(without_empty(data, points.values())))
     model = finite_element_model(data, points, dict(body.nodes))
     findings = (*symmetry, *agreement.check_model(data, model, body.stated))
     agreement.refuse(findings)

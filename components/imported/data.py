@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,6 +16,8 @@ from ..flexible.modal import rigid_motion
 Integers = NDArray[np.int64]
 AMPLITUDE = 0
 """In place of a component from 1 to 6: the degree of freedom is the amplitude of a mode."""
+INTERNAL = -1
+"""In place of a component: an amplitude inside of an element, which has no share in rigid motions."""
 OUTPUT_UNITS = {"Pa": -1, "N": 1, "N.m": 2, "N/m": 0}
 """Units of outputs, with the power of length in each; all have one of mass and -2 of time."""
 
@@ -76,12 +78,14 @@ class FiniteElementData:
     coordinates: Vector
     """(N, 3)"""
     dofs: Integers
-    """(n, 2) node and component 1 to 6, or any number and 0 for the amplitude of a mode"""
+    """(n, 2) node and component 1 to 6, or any number and 0 for the amplitude of a mode or `INTERNAL`"""
     samples: MassSamples | None = None
     recovery: Recovery | None = None
     outputs: OutputRows | None = None
     axes: Vector = field(default_factory=lambda: np.zeros((0, 3, 3)))
     """(N, 3, 3) displacement axes of the nodes as rows; empty where all are the basic ones"""
+    members: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
+    """nodes that stand for one of another number, whose place is their mean"""
 
     @property
     def ready(self) -> bool:
@@ -100,14 +104,23 @@ class FiniteElementData:
             raise ComponentError(f"there is no node {node}; {told_nodes(self.nodes)}")
         return int(found[0])
 
+    def parts(self, node: int) -> tuple[int, ...]:
+        """The nodes that stand for a node: itself, or its members."""
+        return self.members.get(node, (node,))
+
+    def position(self, node: int) -> Vector:
+        """(3,) the mean of its parts; ComponentError where there is none."""
+        mean: Vector = self.coordinates[[self.place(part) for part in self.parts(node)]].mean(axis=0)
+        return mean
+
     def dofs_of(self, node: int) -> dict[int, int]:
         """Degree of freedom by component of a node."""
-        rows = np.flatnonzero((self.dofs[:, 0] == node) & (self.dofs[:, 1] != AMPLITUDE))
+        rows = np.flatnonzero((self.dofs[:, 0] == node) & (self.dofs[:, 1] > AMPLITUDE))
         return {int(self.dofs[row, 1]): int(row) for row in rows}
 
     def rigid_motions(self) -> Vector:
         """Values (n, 6) of the degrees of freedom under unit translations and rotations about the origin."""
-        moving = np.flatnonzero(self.dofs[:, 1] != AMPLITUDE)
+        moving = np.flatnonzero(self.dofs[:, 1] > AMPLITUDE)
         motions = np.zeros((len(self.dofs), 6))
         index = {int(node): k for k, node in enumerate(self.nodes)}
         for row in moving:
@@ -161,7 +174,7 @@ def _once(data: FiniteElementData) -> None:
     """Every node is there, and neither a node nor a degree of freedom twice."""
     if len(np.unique(data.nodes)) < len(data.nodes):
         raise ComponentError("a node has coordinates twice; give every node once")
-    moving = data.dofs[data.dofs[:, 1] != AMPLITUDE]
+    moving = data.dofs[~np.isin(data.dofs[:, 1], (AMPLITUDE, INTERNAL))]
     lost = np.setdiff1d(moving[:, 0], data.nodes)
     if lost.size:
         raise ComponentError(
@@ -207,7 +220,7 @@ def without_empty(data: FiniteElementData, points: Collection[int]) -> FiniteEle
     Amplitudes that no mode was found for, rotations about the normal of flat shells, nodes that nothing meets.
     """
     size: Vector = abs(data.stiffness).sum(axis=1) + abs(data.mass).sum(axis=1)
-    of_point = np.isin(data.dofs[:, 0], list(points)) & (data.dofs[:, 1] != AMPLITUDE)
+    of_point = np.isin(data.dofs[:, 0], list(points)) & (data.dofs[:, 1] > AMPLITUDE)
     kept = np.flatnonzero((size > 0.0) | of_point)
     if len(kept) == len(data.dofs):
         return data

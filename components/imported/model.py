@@ -90,6 +90,10 @@ def _moving(data: FiniteElementData, name: str, node: int) -> tuple[Vector, Spar
     if recovery is not None and node in recovery.nodes:
         place = int(np.flatnonzero(recovery.nodes == node)[0])
         return recovery.coordinates[place], scipy.sparse.csr_array(recovery.motion[6 * place : 6 * place + 6])
+    if node in data.members:
+        parts = [_moving(data, name, part)[1].tocsr() for part in data.members[node]]
+        mean = scipy.sparse.kron(np.full((1, len(parts)), 1.0 / len(parts)), scipy.sparse.eye_array(6))
+        return data.position(node), scipy.sparse.csr_array(mean @ scipy.sparse.vstack(parts))
     if node not in data.nodes:
         known = data.nodes if recovery is None else np.union1d(data.nodes, recovery.nodes)
         raise ComponentError(f"node {name}: there is no node {node}; {told_nodes(known)}")

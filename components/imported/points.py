@@ -51,8 +51,10 @@ def with_means(
 
 def _reference(data: FiniteElementData, point: JoinedPoint) -> Vector:
     """Position of the point, m."""
-    places = [data.place(node) for node in point.nodes]
-    return data.coordinates[places].mean(axis=0) if point.position is None else np.array(point.position)
+    if point.position is not None:
+        return np.array(point.position)
+    middle: Vector = np.mean([data.position(node) for node in point.nodes], axis=0)
+    return middle
 
 
 def _with_node(
@@ -72,7 +74,7 @@ def _rigid(data: FiniteElementData, element: JoinedPoint) -> tuple[FiniteElement
     position = _reference(data, element)
     gone: list[int] = []
     rows: list[Vector] = []
-    for node in element.nodes:
+    for node in (part for named in element.nodes for part in data.parts(named)):
         motion = rigid_motion(data.coordinates[data.place(node)] - position)
         own = data.dofs_of(node)
         if not own:
@@ -98,7 +100,7 @@ def _mean(data: FiniteElementData, mean: JoinedPoint) -> tuple[FiniteElementData
     position = _reference(data, mean)
     columns: list[int] = []
     motions: list[Vector] = []
-    for node in mean.nodes:
+    for node in (part for named in mean.nodes for part in data.parts(named)):
         own = data.dofs_of(node)
         if not {1, 2, 3} <= own.keys():
             raise ComponentError(

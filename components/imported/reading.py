@@ -12,6 +12,7 @@ import scipy
 
 from ..contract.component import ComponentError
 from .data import FiniteElementData
+from .expanded_nodes import with_expanded_nodes
 from .files import WHOLE
 from .matrices import from_matrices, read_npz
 from .opening import reading
@@ -42,7 +43,7 @@ def _read_whole(whole: Path, further: Mapping[str, Path]) -> FiniteElementData:
     if ending == ".npz":
         return read_npz(whole)
     if ending == ".sti":
-        return from_matrices(_matrices(_of_calculix(whole, further)))
+        return with_expanded_nodes(from_matrices(_matrices(_of_calculix(whole, further))))
     from . import nastran, nastran_bulk  # loads pyYeti
 
     readers: Mapping[str, Callable[[], FiniteElementData]] = {

@@ -44,6 +44,10 @@ def _nodes(path: Path) -> Iterator[list[float]]:
             raise ComponentError(
                 f"{file}: line {number}: {text} may move the nodes of a part; give a deck without parts and instances"
             )
+        if re.search(r"OFFSET[12]?=(?![+-]?0*\.?0*(,|$))", parameters):
+            raise ComponentError(
+                f"{file}: line {number}: {text} moves shells or beams away from their nodes; put nodes in the middle"
+            )
         turned = keyword == "*TRANSFORM" and not glob
         if turned or keyword == "*SYSTEM" or (keyword == "*NODE" and re.search("SYSTEM=[CS]", parameters)):
             raise ComponentError(
