@@ -19,7 +19,7 @@ from components.contract.component import Vector
 from ...assembly import Geometry
 from ...results.result import Result, ResultError
 from ..placement import placed
-from .motion import Motion, Rows, keys, motion
+from .motion import Motion, Rows, from_least, keys, motion
 from .output import library, whole
 from .surface import shown_bodies, surface
 
@@ -47,7 +47,7 @@ def write_glb(path: Path, result: Result, tolerance: float | None = None) -> Non
     scene = _Scene(gltf, result, allowed)
     for name, body in bodies.items():
         found = motion(result, name, body, rows, allowed)
-        scene.add(name, body, found.part(keys(found, allowed)))
+        scene.add(name, body, from_least(found.part(keys(found, allowed))))
     try:
         content = b"".join(scene.finished().save_to_bytes())
     except ValueError:  # of JSON, which has no number that is not finite

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,6 +114,18 @@ def _scaled(found: Motion) -> Motion:
         found.time, found.nodes, found.forms * scale, found.position, found.orientation, found.amplitudes / scale,
         found.missed,
     )  # fmt: skip
+
+
+def from_least(found: Motion) -> Motion:
+    """The same motion with amplitudes from 0 to 1, as Blender and others clip weights: nodes are at the least ones."""
+    least, span = found.amplitudes.min(axis=0), np.ptp(found.amplitudes, axis=0)
+    scale = np.where(span > 0.0, span, 1.0)
+    return replace(
+        found,
+        nodes=found.nodes + found.forms @ least,
+        forms=found.forms * scale,
+        amplitudes=(found.amplitudes - least) / scale,
+    )
 
 
 def _continuous(orientation: Vector) -> Vector:
