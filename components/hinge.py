@@ -38,6 +38,7 @@ from .hinge_parts.loads import (
     impulse_loads,
     instant_loads,
     lagged_loads,
+    latch_energy,
     mean_loads,
     recorded,
     stiff_loads,
@@ -89,8 +90,9 @@ class Hinge(Connection[Parameters, State, Commands]):
     lock). wrench_mode: "mean" or "endpoint"; in endpoint mode a kinematic latch acts as a spring latch,
     because an explicit host cannot solve for a lock.
 
-    From a failure on there is no load of any kind. What bushing, latch, friction and hold stored is heat; motor and
-    harness keep what they have, as nothing turns them any more.
+    A latch that an unlatch command opens lets go, and what it stored is heat. It engages again after the command has
+    ended. From a failure on there is no load of any kind. What bushing, latch, friction and hold stored is heat; motor
+    and harness keep what they have, as nothing turns them any more.
     """
 
     kind, own_outputs = "hinge", OUTPUTS
@@ -246,12 +248,16 @@ class Hinge(Connection[Parameters, State, Commands]):
 
     @staticmethod
     def _commanded(c: Constants, s: State, commands: Commands) -> State:
-        """The state under commands; one that has failed heeds none, and one that fails turns to heat what it stores."""
+        """The state under commands; one that has failed heeds none.
+
+        What a joint stores that fails, and a latch that lets go, becomes heat.
+        """
         if s.failed:
             return s
         if commands.failure_command > 0.5:
             return s._replace(failed=1.0, failure_angle=s.angle, failure_heat=held_energy(c, s))
-        return s.commanded(commands)
+        lost = latch_energy(c, s) if commands.unlatch_command > 0.5 else 0.0
+        return s.heated((0.0, lost, 0.0)).commanded(commands)
 
     @staticmethod
     def _freed(moved: State) -> State:
@@ -288,7 +294,8 @@ class Hinge(Connection[Parameters, State, Commands]):
 
     def _awaits_latch(self, c: Constants, state: State) -> bool:
         """Whether the latch engages by itself and has not yet."""
-        return c.p.latch_automatic > 0.5 and not state.latched and not state.failed and c.latches
+        is_free = not (state.latched or state.opened or state.failed)
+        return c.p.latch_automatic > 0.5 and is_free and c.latches
 
     def _latched(self, c: Constants, state: State, reached: float) -> State:
         """The state with the latch engaged at its angle, if it awaits that and the angle `reached` is reached."""
@@ -350,13 +357,13 @@ class Hinge(Connection[Parameters, State, Commands]):
             hinge_force=rotate(self._axis_frame, loads.force),
             hinge_torque=rotate(self._axis_frame, loads.torque),
             motor_energy=c.motor.potential(c.p.stowed_angle) - c.motor.potential(now.angle),
-            friction_energy=s.friction_heat,
-            latch_energy=s.latch_heat,
-            damping_energy=s.damping_heat,
+            friction_energy=old.friction_heat,
+            latch_energy=old.latch_heat,
+            damping_energy=old.damping_heat,
             latch_impulse=s.latch_impulse,
             failure_energy=0.0,
             potential_energy=stored_energy(c, now),
-            dissipated_energy=sum(s.heat),
+            dissipated_energy=sum(old.heat),
             numerical_dissipation=s.numerical,
         )
         return found if self.endpoint else MeanObservations(found, *lagged_loads(now, self._axis_frame))

@@ -72,6 +72,16 @@ def modes_of_the_wing(found, folder):
     assert all(path.exists() for path in found["pictures"])
 
 
+def restow(found, folder):
+    """Statics: the drive holds motor and friction; momentum: what the wing turned its spacecraft by comes back."""
+    assert found["result"].headline.unlatchings["HL"].time == 25.0
+    assert abs(np.degrees(found["angle"][-1])) < 0.3
+    assert -found["drive"][-1] == pytest.approx(2.0 + 0.4, rel=0.02)
+    attitude = np.degrees(found["result"]["body", "attitude"][:, 1])
+    assert np.ptp(attitude) > 15.0
+    assert abs(attitude[-1]) < 1.0
+
+
 def rigid_or_flexible(found, folder):
     """The rigid latch is tuned to the panel's first mode, so that its peak is close."""
     assert found["peaks"]["flexible"] / found["peaks"]["rigid"] == pytest.approx(1.0, abs=0.1)

@@ -16,6 +16,9 @@ IMPULSE = _command("impulse", "1: the next step is an impulse")
 HOLD = _command("hold", "1: what moves by itself stands still")
 """Input: an angle is held, a clock stands, strands keep their preload, while a master seeks an equilibrium."""
 LATCH_COMMAND = _command("latch_command", "1: the latch engages at the start of the next step")
+UNLATCH_COMMAND = _command(
+    "unlatch_command", "1: the latch lets go at the start of the next step, and stays open while this is 1"
+)
 RELEASE_COMMAND = _command("release_command", "1: released at the start of the next step")
 """Input of what is made to let go."""
 FAILURE_COMMAND = _command(
@@ -27,7 +30,7 @@ LATCH_DISTANCE = Quantity(
     "latch_distance", "rad", "Latch angle minus hinge angle; falls through zero at latch-up"
 )
 """Output that a master watches for its zero: the event indicator of latch-up."""
-LATCHED = Quantity("latched", "1", "1 from latch-up on")
+LATCHED = Quantity("latched", "1", "1 from latch-up on, until it is unlatched")
 """Output, beside the latch distance."""
 
 TIME_TO_BREAK = Quantity("time_to_break", "s", "Time to the next instant where a motion law changes its form")

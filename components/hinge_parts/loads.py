@@ -172,9 +172,15 @@ def held_energy(c: Constants, s: State) -> float:
     q = list(s.coordinates)
     q[3] -= c.p.aligned_angle
     energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
-    if s.latched and c.latches:
-        energy += c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)
+    energy += latch_energy(c, s)
     energy += 0.5 * c.p.presliding_stiffness * s.presliding * s.presliding
     if s.holding:
         energy += 0.5 * c.p.hold_stiffness * (s.angle - s.hold_angle) ** 2
     return energy
+
+
+def latch_energy(c: Constants, s: State) -> float:
+    """Energy in the latch, which is lost where it lets go."""
+    if not s.latched or not c.latches:
+        return 0.0
+    return c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)

@@ -22,6 +22,7 @@ from ..contract.roles import (
     NUMERICAL_DISSIPATION,
     ORDER,
     POTENTIAL_ENERGY,
+    UNLATCH_COMMAND,
     lagged,
 )
 from ..numerics.interval_mean import MidStep, MidStepSlope
@@ -102,6 +103,7 @@ class Commands(NamedTuple):
     """Beside the motions of both ports."""
 
     latch_command: Annotated[float, LATCH_COMMAND]
+    unlatch_command: Annotated[float, UNLATCH_COMMAND]
     impulse: Annotated[float, IMPULSE]
     hold: Annotated[float, HOLD.saying("1: the angle is held")]
     failure_command: Annotated[float, FAILURE_COMMAND]
@@ -125,7 +127,8 @@ class State(NamedTuple):
     damping_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
     hold_angle: Annotated[float, kept("rad", "Angle that is held")]
     presliding: Annotated[float, kept("rad", "Elastic deflection of friction that sticks")] = 0.0
-    latched: Annotated[float, kept("1", "1 from latch-up on")] = 0.0
+    latched: Annotated[float, kept("1", "1 from latch-up on, until it is unlatched")] = 0.0
+    opened: Annotated[float, kept("1", "1 while the latch is held open")] = 0.0
     latched_angle: Annotated[float, kept("rad", "Angle where the latch engaged")] = 0.0
     holding: Annotated[float, kept("1", "1 while the angle is held")] = 0.0
     numerical: Annotated[float, kept("J", "What the scheme took away")] = 0.0
@@ -168,9 +171,11 @@ class State(NamedTuple):
         return self._replace(friction_heat=friction, latch_heat=latch, damping_heat=damping)
 
     def commanded(self, commands: Commands) -> State:
-        """Latched or held at the angle where the command arrives."""
-        state, is_held = self, commands.hold > 0.5
-        if commands.latch_command > 0.5 and not state.latched:
+        """Latched or held at the angle where the command arrives; a latch that is held open holds nothing."""
+        state, is_held = self._replace(opened=float(commands.unlatch_command > 0.5)), commands.hold > 0.5
+        if state.opened:
+            state = state._replace(latched=0.0)
+        elif commands.latch_command > 0.5 and not state.latched:
             state = state._replace(latched=1.0, latched_angle=state.angle)
         if is_held and not state.holding:
             state = state._replace(hold_angle=state.angle)

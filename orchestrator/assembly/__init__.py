@@ -79,6 +79,11 @@ class HingeLine:
         return f"{self.name} latch-up"
 
     @property
+    def unlatch_event(self) -> str:
+        """Text of the event that its latch lets go."""
+        return f"{self.name} unlatched"
+
+    @property
     def locks_rigid(self) -> bool:
         """Whether nothing gives way beside its lock, whose torque then says nothing of the wing."""
         return self.kinematic and self.rigid
@@ -116,7 +121,10 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """What happens at a time (s) or when a condition first holds: parts released, lines latched, parameters set."""
+    """What happens at a time (s) or when a condition first holds: parts released, lines latched, parameters set.
+
+    unlatches: lines whose latches let go and stay open; readies: lines whose latches may engage again.
+    """
 
     name: str
     time: float | None
@@ -124,12 +132,16 @@ class Event:
     releases: tuple[str, ...] = ()
     latches: tuple[str, ...] = ()
     settings: tuple[Setting, ...] = ()
+    unlatches: tuple[str, ...] = ()
+    readies: tuple[str, ...] = ()
 
     def also(
         self,
         releases: tuple[str, ...] = (),
         latches: tuple[str, ...] = (),
         settings: tuple[Setting, ...] = (),
+        unlatches: tuple[str, ...] = (),
+        readies: tuple[str, ...] = (),
     ) -> Self:
         """The event with more that happens, nothing of it twice."""
         return replace(
@@ -137,18 +149,22 @@ class Event:
             releases=tuple(dict.fromkeys((*self.releases, *releases))),
             latches=tuple(dict.fromkeys((*self.latches, *latches))),
             settings=(*self.settings, *settings),
+            unlatches=tuple(dict.fromkeys((*self.unlatches, *unlatches))),
+            readies=tuple(dict.fromkeys((*self.readies, *readies))),
         )
 
     def with_another(self, event: Event) -> Self:
         """The event with all that another one does at the same time, and both names."""
         both = replace(self, name=f"{self.name} and {event.name}")
-        return both.also(event.releases, event.latches, event.settings)
+        return both.also(event.releases, event.latches, event.settings, event.unlatches, event.readies)
 
     @property
     def text(self) -> str:
         """What it does, for people."""
         done = [f"{name} released" for name in self.releases]
         done += [f"{name} locked" for name in self.latches]
+        done += [f"latch of {name} opened" for name in self.unlatches]
+        done += [f"latch of {name} ready" for name in self.readies]
         for s in self.settings:
             unit = "" if s.unit == "1" else f" {s.unit}"
             done.append(f"{s.part}.{s.parameter} set to {s.value}{unit}")

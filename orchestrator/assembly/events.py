@@ -13,6 +13,7 @@ from components.contract.roles import (
     FAILURE_COMMAND,
     LATCH_COMMAND,
     RELEASE_COMMAND,
+    UNLATCH_COMMAND,
 )
 from components.drive import Drive
 from components.end_stop import OF_HINGE, EndStop
@@ -28,7 +29,7 @@ from . import Condition, Event, HingeLine, Part, Setting, SignalFmu
 
 RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 """Inputs by which a component lets go."""
-COMMANDS = (LATCH_COMMAND.name, *RELEASES)
+COMMANDS = (LATCH_COMMAND.name, UNLATCH_COMMAND.name, *RELEASES)
 """Inputs that scenes can command, by events and outputs of FMUs."""
 _TRUE = 0.5
 """What an output of an FMU passes as it becomes true."""
@@ -73,6 +74,9 @@ def _released_and_locked(events: Sequence[Event], lines: Sequence[HingeLine]) ->
     """Problems of events that lock what they let go of."""
     hinges = {line.name: line.hinges for line in lines}
     for event in events:
+        for line in (*event.latches, *event.readies):
+            if line in event.unlatches:
+                yield f"event.{event.name}: opens the latch of {line} and closes it; leave one of both out"
         for line in event.latches:
             if set(hinges[line]) <= set(event.releases):
                 yield f"event.{event.name}: locks {line}, which it releases as well; leave one of both out"
@@ -209,13 +213,17 @@ class _EventReader:
         line = next((line.name for line in self._lines.values() if part.name in line.hinges), None)
         if name not in COMMANDS:
             raise ValueError("is an input, which follows from the run; set tunable parameters")
-        if isinstance(given, bool) or given != 1:
-            raise ValueError(f"is {given!r}; commands can be given, with 1, but not taken back")
+        takes_back = name == UNLATCH_COMMAND.name and given == 0
+        if isinstance(given, bool) or not (given == 1 or takes_back):
+            also = ", or taken back, with 0" if name == UNLATCH_COMMAND.name else ", but not taken back"
+            raise ValueError(f"is {given!r}; commands can be given, with 1{also}")
         if name in RELEASES:
             return event.also(releases=self._with_stop(part))
         if line is None or not self._lines[line].latches:
             raise ValueError(f"{part.name} is no hinge of a line that has a latch")
-        return event.also(latches=(line,))
+        if name == LATCH_COMMAND.name:
+            return event.also(latches=(line,))
+        return event.also(readies=(line,)) if takes_back else event.also(unlatches=(line,))
 
 
 def scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Quantity, int]:

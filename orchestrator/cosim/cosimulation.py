@@ -58,10 +58,10 @@ class CoSimulation(ABC):
         self.statistics = Statistics()
         self.segments: list[list[float]] = [[]]
         self._bolted = bolted_hinges(hinge_lines)
-        self._pending = [line for line in hinge_lines if line.latches]
-        self._numbers = {line.name: number for number, line in enumerate(self._pending)}
+        self._lines = [line for line in hinge_lines if line.latches]
+        self._numbers = {line.name: number for number, line in enumerate(self._lines)}
         located = {e.name: e.condition for e in events if e.condition and not e.condition.is_sampled}
-        self._numbers |= {name: number for number, name in enumerate(located, start=len(self._pending))}
+        self._numbers |= {name: number for number, name in enumerate(located, start=len(self._lines))}
         channels = sum(len(one.fmu.recorded()) for one in signals)
         tables = coupling_tables(network, hinge_lines, [*located.values()], settings, channels)
         self.coupling = Coupling(network, tables, recorder)
@@ -149,9 +149,22 @@ class CoSimulation(ABC):
         self.recorder.event(self.time, event.name, event.text)
         self._scheduled.release(event)
         self._without(event.releases)
+        for line in self._lines:
+            if line.name in event.unlatches or line.name in event.readies:
+                self._unlatch(line, opens=line.name in event.unlatches)
         with self._supplied():
             self._scheduled.set(event)
         self._signals.leave(event)
+
+    def _unlatch(self, line: HingeLine, *, opens: bool) -> None:
+        """Open the latches of a line, or make them ready again."""
+        if self.coupling.unlatch(self._numbers[line.name], opens=opens):
+            self.recorder.event(self.time, line.sensor, line.unlatch_event)
+
+    @property
+    def _pending(self) -> list[HingeLine]:
+        """Lines that wait for their latch-up."""
+        return [line for line in self._lines if self.coupling.pending[self._numbers[line.name]]]
 
     def _exchange_signals(self, *, start: bool = False) -> bool:
         """Let FMUs with signals act at this instant, or start them; whether they changed anything."""
@@ -175,9 +188,9 @@ class CoSimulation(ABC):
                 self.coupling.release(number)
         lines = [
             replace(line, hinges=tuple(name for name in line.hinges if name not in released))
-            for line in self._pending
+            for line in self._lines
         ]
-        self._pending = [
+        self._lines = [
             line if line.sensor in line.hinges else replace(line, sensor=line.hinges[0])
             for line in lines
             if line.hinges

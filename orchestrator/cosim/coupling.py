@@ -54,6 +54,7 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "record_impulse": ((_POINTER,), None),
     "engage": ((_POINTER, _SIZE, c_int), _REAL),
     "release": ((_POINTER, _SIZE), None),
+    "unlatch": ((_POINTER, _SIZE, c_int), c_int),
     "judge_loads": ((_POINTER,), None),
     "supply": ((_POINTER, _REAL), c_int),
     "renew": ((_POINTER, _REAL), None),
@@ -302,6 +303,10 @@ class Coupling:
     def release(self, participant: int) -> None:
         """Release a participant: lines go on with their other hinges, and its load is no longer judged."""
         self._library.fanfold_release(self._handle, participant)
+
+    def unlatch(self, line: int, *, opens: bool) -> bool:
+        """Open the latches of a line, or make them ready again; whether the line was latched and is not any more."""
+        return bool(self._library.fanfold_unlatch(self._handle, line, opens))
 
     def judge_loads(self) -> None:
         """Weight errors of the loads of latched lines and struck stops by the present energies."""

@@ -56,7 +56,7 @@ class ExplicitMaster(CoSimulation):
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; StepError where that would take more than explicit steps."""
-        locks = [line.name for line in self._pending if line.kinematic]
+        locks = [line.name for line in self._lines if line.kinematic]
         if locks:
             raise StepError(
                 f"{', '.join(locks)}: an explicit master cannot solve for a kinematic latch; assemble "
@@ -77,8 +77,9 @@ class ExplicitMaster(CoSimulation):
                 self._take_signals()
             while (event := self._scheduled.due(self.time)) is not None:
                 self._act(event)
-                for line in [line for line in self._pending if line.name in event.latches]:
-                    self._engage(line)
+                for line in self._pending:
+                    if line.name in event.latches:
+                        self._engage(line)
             remaining = min(until, self._next_stop) - self.time
             h = remaining if remaining < 1.001 * size else size
             begin = perf_counter()
@@ -101,7 +102,7 @@ class ExplicitMaster(CoSimulation):
 
     def _engage_latches(self) -> None:
         """Command all hinges of a line whose sensor has latched by itself or reached the latch angle."""
-        for line in list(self._pending):
+        for line in self._pending:
             sensor = self.network.by_name[line.sensor]
             latched = sensor.outputs[sensor.output_layout[LATCHED.name].start] > 0.5
             if latched or self._distance(line) <= 0.0:
@@ -109,7 +110,7 @@ class ExplicitMaster(CoSimulation):
 
     def _engage(self, line: HingeLine) -> None:
         self.recorder.event(self.time, line.sensor, line.latch_event)
-        self._pending.remove(line)
+        self.coupling.pending[self._numbers[line.name]] = 0.0
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
 
     def _step_or_fail(self, h: float) -> None:

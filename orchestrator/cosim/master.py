@@ -180,7 +180,6 @@ class Master(CoSimulation):
     def _latch(self, line: HingeLine, *others: HingeLine) -> None:
         """Engage all latches of a line; kinematic lines, with others, lose their relative rates in an impulse."""
         coupling, lines = self.coupling, (line, *others)
-        self._pending = [one for one in self._pending if one not in lines]
         numbers = [self._numbers[one.name] for one in lines]
         coupling.pending[numbers] = 0.0
         tells_jumps, passed = self.settings.fixed_step is None, []
@@ -269,7 +268,6 @@ class Master(CoSimulation):
         numbers = {
             "segments": [len(segment) for segment in self.segments],
             "statistics": asdict(self.statistics) | {"sweeps": sweeps},
-            "pending": [line.name for line in self._pending],
             "happened": self._scheduled.happened,
         }
         return Snapshot(numbers, arrays, {p.name: p.serialized() for p in participants})
@@ -292,4 +290,3 @@ class Master(CoSimulation):
         self.segments = [segment.tolist() for segment in np.split(arrays["steps"], ends)]
         self.statistics = Statistics(**numbers["statistics"])
         self._sweeps_before = self.statistics.sweeps
-        self._pending = [line for line in self._pending if line.name in numbers["pending"]]

@@ -15,6 +15,7 @@ from components.contract.roles import (
     PENETRATION,
     RELEASE_COMMAND,
     TIME_TO_BREAK,
+    UNLATCH_COMMAND,
 )
 
 from ..assembly import Condition, HingeLine
@@ -58,6 +59,7 @@ def coupling_tables(
         **_laws(participants),
         "latch_distance": [place_of(p.output_layout, LATCH_DISTANCE.name) for p in participants],
         "latch_command": [place_of(p.input_layout, LATCH_COMMAND.name) for p in participants],
+        "unlatch_command": [place_of(p.input_layout, UNLATCH_COMMAND.name) for p in participants],
         "impulses": [
             one
             for i, p in enumerate(participants)

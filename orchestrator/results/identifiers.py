@@ -15,6 +15,7 @@ _FIXED = {
     "final angle, not latched": "unlatched_angle",
     "largest angle, no latch": "largest_angle",
     "final angle, no latch": "end_angle",
+    "final angle, unlatched": "restowed_angle",
     "attitude peak": "attitude_peak",
     "final attitude": "end_attitude",
     "attitude rate peak": "attitude_rate_peak",

@@ -39,7 +39,8 @@ from .result import Result
 from .round_off import noise_floor, rounded_to_floor
 from .signal import EVENT_WIDTH
 from .slack_strands import Slack, slack_strands
-from .verdict import NotOpened, lines_sentence, not_opened
+from .unlatching import Unlatching, unlatchings
+from .verdict import NotOpened, lines_sentence, not_opened, unlatched_sentences
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
@@ -59,6 +60,8 @@ ERRORS_UNKNOWN = message(
 )
 UNLATCHED = "final angle, not latched"
 """Headline number of a line with a latch that has not latched."""
+FINAL_UNLATCHED = "final angle, unlatched"
+"""Headline number of a line whose latch has let go."""
 
 
 @short_repr
@@ -84,6 +87,7 @@ class Headline:
     and torque on the base, by unit. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
     limits: requirements on these numbers, as they are written.
+    unlatchings: lines whose latches let go; latch times, rates and energies are those of their first latch-up.
     slack: strands of cables without tension, and from when to when.
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
@@ -130,6 +134,7 @@ class Headline:
     latch_energies: Mapping[str, float] = field(default_factory=dict)
     slack: tuple[Slack, ...] = ()
     limits: tuple[str, ...] = ()
+    unlatchings: Mapping[str, Unlatching] = field(default_factory=dict)
 
     @property
     def requirements(self) -> tuple[Judged, ...]:
@@ -142,7 +147,8 @@ class Headline:
         sentences = [
             lines_sentence(
                 self.latch_times, self.reached_stops, self.not_opened, self.complete, self.end_time
-            )
+            ),
+            *unlatched_sentences(self.unlatchings),
         ]
         torques = {x: torque for x, torque in self.latch_torque_peaks.items() if x not in self.latch_impulses}
         if torques:
@@ -224,6 +230,7 @@ class Headline:
             yield Number("latch energy", line, energy, "J")
         for line, angle in self.unlatched_angles.items():
             yield Number(UNLATCHED, line, angle, "rad")
+        yield from self._numbers_of_unlatchings()
         for line, passed in self.overruns.items():
             yield Number("largest angle, no latch", line, passed.largest, "rad")
         for line, short in self.short_of_deployed.items():
@@ -233,6 +240,14 @@ class Headline:
         for line, torque in self.latch_torque_peaks.items():
             of_what = "lock" if line in self.latch_impulses else "latch"
             yield Number(f"{of_what} torque peak", line, torque, "N.m")
+
+    def _numbers_of_unlatchings(self) -> Iterator[Number]:
+        for line, one in self.unlatchings.items():
+            yield Number("unlatch time", line, one.time, "s")
+            if one.again is None:
+                yield Number(FINAL_UNLATCHED, line, one.angle, "rad")
+            else:
+                yield Number("last latch time", line, one.again, "s")
 
     def _numbers_of_base(self) -> Iterator[Number]:
         vectors = (
@@ -297,6 +312,7 @@ def headline(result: Result) -> Headline:
         latch_rates=rates,
         latch_energies=latch_energies(result, times, rates, impulses),
         slack=slack_strands(result),
+        unlatchings=unlatchings(result),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
         base_load_peaks={unit: _magnitude_peak(result, INTERFACE_LOAD, unit) for unit in ("N", "N.m")},

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from .estimated_errors import POINT_PEAKS
 from .identifiers import load_words
-from .key_figures import Headline, magnitude_of, max_of, min_of, round_off_floors, shown
+from .key_figures import FINAL_UNLATCHED, Headline, magnitude_of, max_of, min_of, round_off_floors, shown
 from .number import Number
 from .requirements import Judged
 from .round_off import rounded_to_floor
@@ -125,6 +125,9 @@ def short_rows(found: Headline) -> Iterator[ShortRow]:
     has_lines = bool(found.latch_times or found.unlatched_angles or found.reached_stops)
     if not has_lines:
         yield ShortRow("end time", f"{found.end_time:g}", "s", "")
+    for number in numbers:
+        if number.quantity in ("unlatch time", "last latch time", FINAL_UNLATCHED):
+            yield ShortRow(number.quantity, rounded(*_as_shown(number)), shown(number.unit)[0], number.of)
     for line, time in found.reached_stops.items():
         yield ShortRow("end stop reached", rounded(time, None), "s", line)
     for name, load in (

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..assembly import HingeLine
 from .result import Result
+from .unlatching import Unlatching
 
 _LATE = 0.9
 """Part of a run after which a line that moves no more is stuck."""
@@ -116,6 +117,21 @@ def lines_sentence(
     sentences += _reached(latch_times, "latched", of_all and not stop_times)
     sentences += _reached(stop_times, "came to their end stops", of_all and not latch_times)
     return " ".join(sentences) or f"The run reached its end at {end_time:.4g} s."
+
+
+def unlatched_sentences(found: Mapping[str, Unlatching]) -> list[str]:
+    """What became of lines whose latches let go."""
+    sentences = []
+    for line, one in list(found.items())[:_MOST_LINES]:
+        then = (
+            f"stands at {round(degrees(one.angle), 2) + 0.0:.2f} deg at the end"
+            if one.again is None
+            else f"latched again at {one.again:.4g} s"
+        )
+        sentences.append(f"{line} unlatched at {one.time:.4g} s and {then}.")
+    if rest := list(found)[_MOST_LINES:]:
+        sentences.append(f"Unlatched as well: {', '.join(rest)}.")
+    return sentences
 
 
 def _reached(times: Mapping[str, float], did: str, are_all: bool) -> list[str]:

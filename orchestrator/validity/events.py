@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import degrees
 
 import numpy as np
@@ -11,6 +11,7 @@ from ..assembly import Assembly, Event
 from ..results.key_figures import latch_times, shown
 from ..results.result import Result
 from ..results.signal import EVENT_WIDTH
+from ..results.unlatching import latched_since
 
 _LATCH_ANGLE = "latch_angle"
 
@@ -18,11 +19,10 @@ _LATCH_ANGLE = "latch_angle"
 def event_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
     """A sentence for each event that did not happen, or whose target had latched or was released before."""
     happened = {name: time for time, name, _ in result.events}
-    latched = latch_times(result)
     for event in assembly.events:
         if event.name in happened:
-            yield from _without_effect(event, happened[event.name], latched)
-            yield from _latches_left_behind(assembly, event, happened[event.name], latched, result)
+            yield from _without_effect(assembly, event, happened[event.name], result)
+            yield from _latches_left_behind(assembly, event, happened[event.name], result)
         else:
             yield _absent(event, result)
 
@@ -45,32 +45,39 @@ def _absent(event: Event, result: Result) -> str:
     )
 
 
-def _without_effect(event: Event, at: float, latched: Mapping[str, float]) -> Iterator[str]:
-    """Lines that an event at a time (s) should latch and could not, by the times (s) at which lines latched."""
-    for line in event.latches:
-        if line not in latched:
-            yield f"event {event.name} did not latch {line}: its hinges were released before."
-        elif latched[line] < at - EVENT_WIDTH:
-            yield f"event {event.name} did not latch {line}: it had latched before, at {latched[line]:.6g} s."
+def _without_effect(assembly: Assembly, event: Event, at: float, result: Result) -> Iterator[str]:
+    """Lines that an event at a time (s) should latch or unlatch and could not."""
+    for line in assembly.hinge_lines:
+        since = latched_since(result, line, at - EVENT_WIDTH)
+        if line.name in event.unlatches and since is None:
+            yield f"event {event.name} did not unlatch {line.name}: it was not latched. Its latch stays open."
+        if line.name not in event.latches:
+            continue
+        if since is not None:
+            yield f"event {event.name} did not latch {line.name}: it had latched before, at {since:.6g} s."
+        elif latched_since(result, line, at + EVENT_WIDTH) is None:
+            yield (
+                f"event {event.name} did not latch {line.name}: its hinges were released before, or its latch is "
+                "held open by an unlatch_command."
+            )
 
 
-def _latches_left_behind(
-    assembly: Assembly, event: Event, at: float, latched: Mapping[str, float], result: Result
-) -> Iterator[str]:
+def _latches_left_behind(assembly: Assembly, event: Event, at: float, result: Result) -> Iterator[str]:
     """Lines whose latch angle an event at a time (s) set when they had latched (s), or to where they had been."""
     angles = {
         one.part: one.value
         for one in event.settings
         if one.parameter == _LATCH_ANGLE and isinstance(one.value, float)
     }
+    latched = latch_times(result)
     for line in assembly.hinge_lines:
         angle = angles.get(line.sensor)
         if angle is None:
             continue
-        if latched.get(line.name, at) < at - EVENT_WIDTH:
+        if (since := latched_since(result, line, at - EVENT_WIDTH)) is not None:
             yield (
                 f"event {event.name}: a new {_LATCH_ANGLE} has no effect on {line.name}, which had latched at "
-                f"{latched[line.name]:.6g} s."
+                f"{since:.6g} s."
             )
         elif line.name not in latched and angle < (now := _angle_at(result, line.sensor, at)):
             yield (

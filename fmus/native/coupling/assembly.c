@@ -31,6 +31,7 @@ static size_t arrange_standing(Assembly *a, double *first) {
     TAKE(a->scalars, OWN_SCALARS);
     TAKE(a->in_force, a->parameter_count);
     TAKE(s->latch_time, s->coupling.lines);
+    TAKE(s->unlatch_time, s->coupling.lines);
     TAKE(s->latch_rate, s->coupling.lines);
     for (Event *e = s->event; e < s->event + s->events; e++) {
         if (e->crossing) e->pending = first ? s->coupling.pending + (e->crossing - s->coupling.crossing) : NULL;
@@ -504,8 +505,10 @@ static int change(Assembly *a, const double *u) {
     if (!coupling_supply(&s->coupling, before)) return 0;
     for (size_t i = 0; i < a->commands; i++) {
         const Command *c = a->command + i;
-        if (!(u[i] > 0.5 && a->inputs[i] <= 0.5)) continue;
-        if (c->is_release) release_one(s, &c->release);
+        const int is_set = u[i] > 0.5, was_set = a->inputs[i] > 0.5;
+        if (is_set == was_set || !(is_set || c->kind == UNLATCHES)) continue;
+        if (c->kind == RELEASES) release_one(s, &c->release);
+        else if (c->kind == UNLATCHES) unlatch_line(s, c->line, is_set);
         else a->latching[latches++] = c->line;
     }
     memcpy(a->inputs, u, a->commands * sizeof(double));
@@ -758,10 +761,10 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     for (size_t i = 0; i < a->flags; i++) z[a->flag[i]] = before[2 + a->flag[i]];
 }
 
-/* Whether a line that latches at a time (s), negative for never, has done so at the communication point. */
-static int has_latched(const double *x, double latch_time) {
-    if (x[AT_EVENT] == AFTER_EVENT) return latch_time >= 0.0;
-    return latch_time >= 0.0 && (latch_time < x[AT_TIME] || (latch_time == x[AT_TIME] && x[AT_EVENT] == NO_EVENT));
+/* Whether what happens to a line at a time (s), negative for never, has done so at the communication point. */
+static int has_happened(const double *x, double time) {
+    if (x[AT_EVENT] == AFTER_EVENT) return time >= 0.0;
+    return time >= 0.0 && (time < x[AT_TIME] || (time == x[AT_TIME] && x[AT_EVENT] == NO_EVENT));
 }
 
 static void outputs(void *self, const double *x, const double *u, double *y) {
@@ -781,10 +784,11 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
     y += TOLD;
     for (size_t k = 0; k < s->coupling.lines; k++) {
         const double latch_time = standing[s->latch_time + k - a->standing];
-        const int is_latched = has_latched(x, latch_time);
-        *y++ = is_latched ? latch_time : -1.0;
-        *y++ = is_latched ? standing[s->latch_rate + k - a->standing] : 0.0;
-        *y++ = is_latched;
+        const double unlatch_time = standing[s->unlatch_time + k - a->standing];
+        const int has_latched = has_happened(x, latch_time);
+        *y++ = has_latched ? latch_time : -1.0;
+        *y++ = has_latched ? standing[s->latch_rate + k - a->standing] : 0.0;
+        *y++ = has_latched && !(unlatch_time >= latch_time && has_happened(x, unlatch_time));
     }
     /* the value at the communication point itself lies between two rows */
     for (size_t i = 0; i < a->peak_count; i++)

@@ -103,7 +103,7 @@ static int create_participants(Assembly *a, const Data *data, Memory *memory, Re
     return coupling_create(&a->sequence.coupling, data, participants, count, ROOM, memory, why);
 }
 
-/* Create events: number of the condition or 0, how many releases, latches, settings; then these. Times and values are
+/* Create events: number of the condition or 0, how many releases, latches, unlatches, settings; then these. Times and values are
    in a table of their own. */
 static int create_events(Assembly *a, const Data *data, Memory *memory, Reason *why) {
     Sequence *s = &a->sequence;
@@ -126,19 +126,22 @@ static int create_events(Assembly *a, const Data *data, Memory *memory, Reason *
         const size_t condition = next_number(&r);
         e->releases = next_number(&r);
         e->latches = next_number(&r);
+        e->unlatches = next_number(&r);
         e->settings = next_number(&r);
         e->release = (const Place *)next_numbers(&r, 2 * e->releases);
         e->latch = next_numbers(&r, e->latches);
+        e->unlatch = next_numbers(&r, 2 * e->unlatches);
         const size_t *set = next_numbers(&r, 2 * e->settings);
         Setting *setting = set ? allocate(memory, (e->settings + 1) * sizeof *setting) : NULL;
-        if (!e->release || !e->latch || !setting || condition > c->crossings - c->lines ||
+        if (!e->release || !e->latch || !e->unlatch || !setting || condition > c->crossings - c->lines ||
             (size_t)(end - value) < 1 + e->settings)
             return refuse(why, "the assembly's events are damaged");
         e->time = *value++;
         e->crossing = condition ? c->crossing + c->lines + condition - 1 : NULL;
         for (size_t i = 0; i < e->releases; i++)
             if (!is_input(&c->network, e->release[i])) return refuse(why, "an event of the assembly releases nothing");
-        if (!are_below(e->latch, e->latches, 1, c->lines)) return refuse(why, "an event latches no line");
+        if (!are_below(e->latch, e->latches, 1, c->lines) || !are_below(e->unlatch, e->unlatches, 2, c->lines))
+            return refuse(why, "an event latches no line");
         for (size_t i = 0; i < e->settings; i++) {
             setting[i] = (Setting){set[2 * i], set[2 * i + 1], *value++};
             if (setting[i].participant >= a->participants ||
@@ -161,7 +164,7 @@ static int drives(const Assembly *a, const Sizes *sizes) {
     return fit;
 }
 
-/* Create commands of the host, in the order of the inputs: kind (1: releases), participant and place, or line. */
+/* Create commands of the host, in the order of the inputs: kind, participant and place, or line. */
 static int create_commands(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     const size_t *driven = counted_numbers(data, "driven", 8, memory, why);
     if (!driven) return 0;
@@ -175,8 +178,9 @@ static int create_commands(Assembly *a, const Data *data, const Sizes *sizes, Me
     a->latching = allocate(memory, (a->commands + 1) * sizeof *a->latching);
     if (!table || !a->command || !a->latching) return 0;
     for (size_t i = 0; i < a->commands; i++, table += 3) {
-        a->command[i] = (Command){table[0], table[0] ? 0 : table[1], {table[1], table[2]}};
-        if (table[0] ? !is_input(&a->sequence.coupling.network, a->command[i].release) : table[1] >= a->sequence.coupling.lines)
+        const int releases = table[0] == RELEASES;
+        a->command[i] = (Command){table[0], releases ? 0 : table[1], {table[1], table[2]}};
+        if (releases ? !is_input(&a->sequence.coupling.network, a->command[i].release) : table[1] >= a->sequence.coupling.lines)
             return refuse(why, "the assembly's input %lu commands nothing", (unsigned long)i + 1);
     }
     return 1;

@@ -14,9 +14,10 @@
 
 enum { FITTED = 4, RING = 6, SNAPSHOTS = 3, OWN_SCALARS = 5 };
 
-/* An input of the assembly: releases a participant (is_release), or latches a line. */
+/* An input of the assembly: latches a line, releases a participant, or opens the latches of a line while it is 1. */
+enum { LATCHES, RELEASES, UNLATCHES };
 typedef struct {
-    size_t is_release, line;
+    size_t kind, line;
     Place release;
 } Command;
 

@@ -54,8 +54,8 @@ enum { NO_FAILURE, OF_PARTICIPANT, OF_STEP };
 
 /* All of a coupling. crossing (crossings,): the first `lines` of them belong to hinge lines, the others to conditions.
    pending, reached, passed (crossings,): whether one is waited for, fell through zero at the end of the last step, or
-   did so in the last impulse. impulse (impulses,): inputs that command an impulse. latch_command, latch_distance
-   (participants,): places of this input and this output of hinges. law (laws,): outputs with the time to the next
+   did so in the last impulse. impulse (impulses,): inputs that command an impulse. latch_command,
+   unlatch_command, latch_distance (participants,): places of these inputs and this output of hinges. law (laws,): outputs with the time to the next
    break, the first `bolts` of them those of hold-downs. law_time, release_time (s): of the next break, and of the next
    release of a hold-down. steps (rows.room,): sizes (s) of the steps since `coupling_advance` was called. position:
    number of steps in the present segment. stalled: correction over the largest wrench that an iteration may leave.
@@ -77,7 +77,7 @@ typedef struct {
     Strike *strike;
     Watched *watched;
     const Place *impulse;
-    const size_t *latch_distance, *latch_command;
+    const size_t *latch_distance, *latch_command, *unlatch_command;
     Slope *slopes;
     const double **law;
     const double *by_tolerance;
@@ -132,6 +132,9 @@ double coupling_engage(Coupling *c, size_t line, int judged);
 /* Release a participant: lines go on with their other hinges, and its load is no longer judged. A line without hinges
    is no longer pending. */
 void coupling_release(Coupling *c, size_t participant);
+/* Open the latches of a line, which then let go and stay open, or make them ready again (open: 0). Returns whether the
+   line was latched and is not any more. */
+int coupling_unlatch(Coupling *c, size_t line, int open);
 /* Weight errors of the loads of latched lines and struck stops by the present energies. Every stop may be struck anew,
    as an event has changed something. */
 void coupling_judge_loads(Coupling *c);

@@ -150,10 +150,20 @@ void coupling_record_impulse(Coupling *c) {
     rows_add(&c->rows, n, c->progress.time, AGAIN, 0.0, c->segment + 0.5);
 }
 
+/* Set an input of all hinges of a line; returns whether one of them was set before. */
+static int command_hinges(Coupling *c, const HingeLine *line, const size_t *place, double value) {
+    int was_set = 0;
+    for (size_t i = 0; i < line->hinges; i++) {
+        if (line->released[i]) continue;
+        double *input = c->network.participant[line->hinge[i]].input + place[line->hinge[i]];
+        was_set |= *input > 0.5;
+        *input = value;
+    }
+    return was_set;
+}
+
 static void command_latches(Coupling *c, const HingeLine *line, double value) {
-    for (size_t i = 0; i < line->hinges; i++)
-        if (!line->released[i])
-            c->network.participant[line->hinge[i]].input[c->latch_command[line->hinge[i]]] = value;
+    (void)command_hinges(c, line, c->latch_command, value);
 }
 
 /* Stiffnesses of the hinges of a line under the present commands. */
@@ -240,6 +250,18 @@ void coupling_release(Coupling *c, size_t participant) {
         else if (line->released[(size_t)*line->sensor]) *line->sensor = (double)first;
     }
     coupling_aim_sensors(c);
+}
+
+int coupling_unlatch(Coupling *c, size_t number, int open) {
+    HingeLine *line = c->line + number;
+    const int was_open = command_hinges(c, line, c->unlatch_command, open);
+    if (!open) {
+        for (size_t i = 0; i < line->hinges && was_open; i++)
+            if (!line->released[i]) c->pending[number] = 1.0;
+        return 0;
+    }
+    c->pending[number] = line->stiffened->hinges = 0.0;
+    return command_hinges(c, line, c->latch_command, 0.0);
 }
 
 int coupling_supply(Coupling *c, double before) {

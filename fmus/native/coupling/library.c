@@ -111,6 +111,7 @@ EXPORT int fanfold_impulse(Owned *o, double h) { return coupling_impulse(&o->cou
 EXPORT void fanfold_record_impulse(Owned *o) { coupling_record_impulse(&o->coupling); }
 EXPORT double fanfold_engage(Owned *o, size_t line, int judged) { return coupling_engage(&o->coupling, line, judged); }
 EXPORT void fanfold_release(Owned *o, size_t participant) { coupling_release(&o->coupling, participant); }
+EXPORT int fanfold_unlatch(Owned *o, size_t line, int open) { return coupling_unlatch(&o->coupling, line, open); }
 EXPORT void fanfold_judge_loads(Owned *o) { coupling_judge_loads(&o->coupling); }
 EXPORT int fanfold_supply(Owned *o, double before) { return coupling_supply(&o->coupling, before); }
 EXPORT void fanfold_renew(Owned *o, double known) { coupling_renew(&o->coupling, known); }

@@ -130,6 +130,10 @@ void release_one(Sequence *s, const Place *release) {
     coupling_release(&s->coupling, release->participant);
 }
 
+void unlatch_line(Sequence *s, size_t line, int open) {
+    if (coupling_unlatch(&s->coupling, line, open)) s->unlatch_time[line] = s->coupling.progress.time;
+}
+
 /* Let an event act at this instant. */
 static int happen(Sequence *s, Event *event) {
     Coupling *c = &s->coupling;
@@ -137,6 +141,7 @@ static int happen(Sequence *s, Event *event) {
     *event->pending = 0.0;
     s->happened++;
     for (size_t i = 0; i < event->releases; i++) release_one(s, event->release + i);
+    for (size_t i = 0; i < event->unlatches; i++) unlatch_line(s, event->unlatch[2 * i], (int)event->unlatch[2 * i + 1]);
     if (!network_observe(&c->network)) return 0;
     const double before = balance_of(c->network.energies);
     for (size_t i = 0; i < event->settings; i++) {
@@ -213,7 +218,7 @@ const Event *begin_run(Sequence *s, int *fine) {
     c->request.pause_time = -INFINITY; /* a turn is a step */
     *fine = coupling_start(c);
     for (size_t k = 0; k < c->crossings; k++) c->pending[k] = WAITING;
-    for (size_t k = 0; k < c->lines; k++) s->latch_time[k] = -1.0;
+    for (size_t k = 0; k < c->lines; k++) s->latch_time[k] = s->unlatch_time[k] = -1.0;
     for (Event *e = s->event; e < s->event + s->events; e++) {
         *e->pending = WAITING;
         if (*fine && e->crossing && distance_of(e->crossing) <= 0.0) return e;

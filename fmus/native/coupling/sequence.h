@@ -16,18 +16,20 @@ typedef struct {
 } Setting;
 
 /* An event. time (s): NaN where it waits for a condition, whose `crossing` is then set. release (releases,): inputs;
-   latch (latches,): lines; setting (settings,). pending is part of a saved state. */
+   latch (latches,): lines; unlatch (unlatches, 2): lines, and 1 to open their latches or 0 to make them ready again;
+   setting (settings,). pending is part of a saved state. */
 typedef struct {
     double time;
     const Crossing *crossing;
-    size_t releases, latches, settings;
+    size_t releases, latches, unlatches, settings;
     const Place *release;
-    const size_t *latch;
+    const size_t *latch, *unlatch;
     const Setting *setting;
     double *pending;
 } Event;
 
-/* latch_time (s; negative before), latch_rate (rad/s just before latch-up; 0 before): by line, part of a saved state.
+/* latch_time, unlatch_time (s, of the last time; negative before), latch_rate (rad/s just before latch-up; 0 before): by
+   line, part of a saved state.
    angular_rate (participants,): places among the observations. row: receives each row; set_parameter: sets one of a
    participant; both receive `taker`. steps, rejected, happened: counts. event_time (s): of the last event or latch-up,
    negative before the first; is_crossed: whether a distance fell through zero for it. */
@@ -38,7 +40,7 @@ typedef struct {
     void (*row)(void *taker, double time, double segment, const double *values);
     int (*set_parameter)(void *taker, size_t participant, size_t place, double value);
     void *taker;
-    double *latch_time, *latch_rate;
+    double *latch_time, *unlatch_time, *latch_rate;
     double event_time, is_crossed;
     size_t events, steps, rejected, happened;
 } Sequence;
@@ -53,6 +55,8 @@ int take_turn(Sequence *s);
 Event *due_event(Sequence *s);
 /* Release a participant by an input. */
 void release_one(Sequence *s, const Place *release);
+/* Open the latches of a line, or make them ready again. */
+void unlatch_line(Sequence *s, size_t line, int open);
 /* Go on after something jumped; lines that are to latch with it engage at once. */
 int go_on(Sequence *s, const size_t *latch, size_t latches);
 void hand_on_rows(Sequence *s);

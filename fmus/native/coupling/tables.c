@@ -326,7 +326,8 @@ static int create_lines(Coupling *c, const Data *data, Memory *memory, Reason *w
     r.numbers = whole_numbers(data, "lines", &r.left, memory, why);
     c->latch_distance = counted_numbers(data, "latch_distance", n->participants, memory, why);
     c->latch_command = counted_numbers(data, "latch_command", n->participants, memory, why);
-    if (!r.numbers || !c->latch_distance || !c->latch_command) return 0;
+    c->unlatch_command = counted_numbers(data, "unlatch_command", n->participants, memory, why);
+    if (!r.numbers || !c->latch_distance || !c->latch_command || !c->unlatch_command) return 0;
     c->lines = next_number(&r);
     c->most_hinges = MOST_STRUCK;
     if (c->lines > n->participants) return refuse(why, "the tables of hinge lines are damaged");
@@ -341,7 +342,8 @@ static int create_lines(Coupling *c, const Data *data, Memory *memory, Reason *w
         for (size_t i = 0; i < line->hinges; i++) {
             const size_t hinge = line->hinge[i];
             if (!is_hinge(n, hinge) || c->latch_distance[hinge] >= n->participant[hinge].outputs ||
-                c->latch_command[hinge] >= n->participant[hinge].inputs)
+                c->latch_command[hinge] >= n->participant[hinge].inputs ||
+                c->unlatch_command[hinge] >= n->participant[hinge].inputs)
                 return refuse(why, "a hinge line has no hinge %lu", (unsigned long)hinge);
         }
     }

@@ -76,7 +76,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     const Hinge *hinge = self;
     Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     /* in a mean wrench a command acts from the next step's start, which is this instant */
-    Grip grip = hinge->base.endpoint ? present_grip(x, u) : commanded_grip(x, u);
+    Grip grip = hinge->base.endpoint ? present_grip(x, u) : commanded_grip(hinge, x, u);
     double angle = now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
     if (hinge->base.endpoint) {
         move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], angle, &grip);
@@ -88,6 +88,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_ANGLE] = angle;
     z[Z_ANGULAR_RATE] = rate;
     for (int i = 0; i < HEAT_CAUSES; i++) z[Z_FRICTION_ENERGY + i] = x[X_FRICTION_HEAT + i];
+    z[Z_LATCH_ENERGY] += grip.lost;
     z[Z_LATCH_IMPULSE] = x[X_LATCH_IMPULSE];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
     if (!hinge->base.endpoint) store_lagged_loads(hinge, x, z);
@@ -112,13 +113,13 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_MOTOR_ENERGY] = motor_energy(hinge, angle);
     z[Z_FAILURE_ENERGY] = 0.0;
     z[Z_POTENTIAL_ENERGY] = stored_energy(hinge, &grip, now.coordinates);
-    z[Z_DISSIPATED_ENERGY] = x[X_FRICTION_HEAT] + x[X_LATCH_HEAT] + x[X_DAMPING_HEAT];
+    z[Z_DISSIPATED_ENERGY] = x[X_FRICTION_HEAT] + x[X_LATCH_HEAT] + x[X_DAMPING_HEAT] + grip.lost;
 }
 
 /* Time until the latch angle is reached at the present rate; in end-point mode only does a latch engage by itself. */
 static double hinge_next_event(void *self, const double *x, const double *u) {
     const Hinge *hinge = self;
-    Grip grip = commanded_grip(x, u);
+    Grip grip = commanded_grip(hinge, x, u);
     if (!hinge->base.endpoint || !awaits_latch(hinge, &grip)) return INFINITY;
     Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     double ahead = hinge->base.p[P_LATCH_ANGLE] - now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
@@ -131,7 +132,7 @@ static void hinge_event(void *self, const double *x, const double *u, int due, d
     const Hinge *hinge = self;
     memcpy(x_next, x, STATES * sizeof *x);
     if (!hinge->base.endpoint) return;
-    Grip grip = commanded_grip(x, u);
+    Grip grip = commanded_grip(hinge, x, u);
     Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     if (grip.failed) {
         store_failure(hinge, x, now.coordinates, x_next);
@@ -140,6 +141,7 @@ static void hinge_event(void *self, const double *x, const double *u, int due, d
     }
     latch_if_reached(hinge, &grip, due || now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE]);
     store_grip(&grip, x_next);
+    x_next[X_LATCH_HEAT] += grip.lost;
     move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], now.coordinates[HINGE_ANGLE], &grip);
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
     for (int i = 0; i < HEAT_CAUSES; i++) x_next[X_POWER + i] = loads.heat[i];

@@ -17,6 +17,7 @@ from components.contract.roles import (
     LATCH_COMMAND,
     LOAD,
     RELEASE_COMMAND,
+    UNLATCH_COMMAND,
 )
 from components.end_stop import OF_HINGE
 from fmus.compiled import component_data
@@ -223,11 +224,16 @@ def _flags(layouts: Iterable[Layout]) -> Iterator[int]:
 
 def _latch_commands(lines: Sequence[HingeLine]) -> Iterator[tuple[Command, Quantity]]:
     for number, line in enumerate(lines):
-        quantity = LATCH_COMMAND.called(f"{line.name}.{LATCH_COMMAND.name}")
-        yield (
-            Command(None, number),
-            quantity.saying(f"{line.name}: 1: its latches engage at this communication point"),
-        )
+        for command, unlatches, text in (
+            (LATCH_COMMAND, False, "1: its latches engage at this communication point"),
+            (
+                UNLATCH_COMMAND,
+                True,
+                "1: its latches let go at this communication point; 0: they may engage again",
+            ),
+        ):
+            quantity = command.called(f"{line.name}.{command.name}")
+            yield Command(None, number, unlatches), quantity.saying(f"{line.name}: {text}")
 
 
 def _release_commands(network: Network) -> Iterator[tuple[Command, Quantity]]:
@@ -265,7 +271,7 @@ def _told_of(line: HingeLine) -> Iterator[Quantity]:
     yield Quantity(
         f"{line.name}.latch_rate", "rad/s", f"{line.name}: size of its rate just before latch-up; 0 before"
     )
-    yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on")
+    yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on, until it is unlatched")
 
 
 def _peaks(

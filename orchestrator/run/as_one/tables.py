@@ -20,13 +20,19 @@ from ...cosim.tables import coupling_tables, place_of
 
 DRIVEN = "driven_base"
 _ANGULAR_RATE = "angular_rate"
+_LATCHES, _RELEASES, _UNLATCHES = range(3)
+"""Kinds of commands, as in assembly_model.h."""
 
 
 class Command(NamedTuple):
-    """What an input does: it releases a participant, by number and place among its inputs, or latches a line."""
+    """What an input does: it releases a participant, by number and place among its inputs, or latches a line.
+
+    unlatches: it opens the latches of the line while it is 1.
+    """
 
     release: tuple[int, int] | None
     line: int
+    unlatches: bool = False
 
 
 class Peak(NamedTuple):
@@ -99,9 +105,11 @@ def _events(
             for place, value in _scalars(network.by_name[s.part], s.parameter, s.value)
         ]
         waits_for = 0 if event.condition is None else conditions
-        numbers += [waits_for, len(releases), len(event.latches), len(settings)]
+        opened = [(name, 1) for name in event.unlatches] + [(name, 0) for name in event.readies]
+        numbers += [waits_for, len(releases), len(event.latches), len(opened), len(settings)]
         numbers += [n for one in releases for n in one]
         numbers += [lines.index(name) for name in event.latches]
+        numbers += [n for name, is_open in opened for n in (lines.index(name), is_open)]
         numbers += [n for part_number, place, _ in settings for n in (part_number, place)]
         values += [nan if event.time is None else event.time, *(value for _, _, value in settings)]
     return {"events": numbers, "event_values": values}
@@ -120,4 +128,6 @@ def _scalars(participant: Participant, name: str, value: ArrayLike) -> Iterator[
 
 
 def _command(command: Command) -> tuple[int, int, int]:
-    return (0, command.line, 0) if command.release is None else (1, *command.release)
+    if command.release is not None:
+        return _RELEASES, *command.release
+    return (_UNLATCHES if command.unlatches else _LATCHES), command.line, 0

@@ -46,13 +46,14 @@ static void hinge_update(void *self, const double *x, const double *u, int at_ev
     if (!present.failed)
         x_next[X_PRESLIDING] = endpoint_loads(hinge, &present, now.coordinates, now.rates).friction.deflection;
     if (!at_event) return;
-    Grip grip = commanded_grip(x_next, u);
+    Grip grip = commanded_grip(hinge, x_next, u);
     if (grip.failed) {
         store_failure(hinge, x_next, now.coordinates, x_next);
         return;
     }
     latch_if_reached(hinge, &grip, now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE] - REACHED);
     store_grip(&grip, x_next);
+    x_next[X_LATCH_HEAT] += grip.lost;
 }
 
 #endif

@@ -165,8 +165,7 @@ static inline real held_energy(const Hinge *hinge, const Grip *grip, const real 
         real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->base.p[P_ALIGNED_ANGLE] : coordinates[i];
         energy += 0.5 * hinge->stiffness[i] * deflection * deflection;
     }
-    if (latch_acts(hinge, grip))
-        energy += law_potential(&hinge->latch, angle - grip->latched_angle) - law_potential(&hinge->latch, 0.0);
+    energy += latch_energy(hinge, grip, angle);
     energy += 0.5 * hinge->base.p[P_PRESLIDING_STIFFNESS] * grip->presliding * grip->presliding;
     if (grip->holding != 0.0) {
         real held = angle - grip->hold_angle;

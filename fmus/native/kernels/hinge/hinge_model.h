@@ -33,11 +33,12 @@ typedef struct Motion {
 } Motion;
 
 /* What holds the hinge, the angles where it took hold, how far friction that sticks has deflected, and whether the joint
-   has failed: then nothing holds. */
+   has failed: then nothing holds. opened: whether the latch is held open; lost: what it stored when it let go (J). */
 typedef struct Grip {
     double latched, holding;
     real latched_angle, hold_angle, presliding;
-    int failed;
+    int failed, opened;
+    real lost;
 } Grip;
 
 /* Force and torque on B in hinge axes, torque of the latch, friction, heat of friction, latch and damping,
@@ -74,12 +75,27 @@ static inline Motion hinge_motion(const Hinge *hinge, const real *u, real refere
     };
 }
 
-/* Fail, or latch or hold at the angle where the command arrives. */
-static inline Grip commanded_grip(const double *x, const real *u) {
-    Grip grip = {x[X_LATCHED], 0.0, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], 0};
+/* Whether there is a latch and it is engaged. */
+static inline int latch_acts(const Hinge *hinge, const Grip *grip) {
+    return grip->latched != 0.0 && hinge->latch_kind != NONE_LATCH;
+}
+
+/* Energy in the latch at an angle. */
+static inline real latch_energy(const Hinge *hinge, const Grip *grip, real angle) {
+    if (!latch_acts(hinge, grip)) return 0.0;
+    return law_potential(&hinge->latch, angle - grip->latched_angle) - law_potential(&hinge->latch, 0.0);
+}
+
+/* Fail, or latch or hold at the angle where the command arrives; what a latch stored that lets go is lost. */
+static inline Grip commanded_grip(const Hinge *hinge, const double *x, const real *u) {
+    Grip grip = {x[X_LATCHED], 0.0, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], 0, 0, 0.0};
     grip.failed = x[X_FAILED] != 0.0 || commanded(u, U_FAILURE_COMMAND);
     if (grip.failed) return grip;
-    if (commanded(u, U_LATCH_COMMAND) && x[X_LATCHED] == 0.0) {
+    grip.opened = commanded(u, U_UNLATCH_COMMAND);
+    if (grip.opened) {
+        grip.lost = latch_energy(hinge, &grip, x[X_COORDINATES + HINGE_ANGLE]);
+        grip.latched = 0.0;
+    } else if (commanded(u, U_LATCH_COMMAND) && x[X_LATCHED] == 0.0) {
         grip.latched = 1.0;
         grip.latched_angle = x[X_COORDINATES + HINGE_ANGLE];
     }
@@ -90,16 +106,11 @@ static inline Grip commanded_grip(const double *x, const real *u) {
     return grip;
 }
 
-/* Whether there is a latch and it is engaged. */
-static inline int latch_acts(const Hinge *hinge, const Grip *grip) {
-    return grip->latched != 0.0 && hinge->latch_kind != NONE_LATCH;
-}
-
 /* The grip of a state under the present hold command. */
 static inline Grip present_grip(const real *x, const real *u) {
     double holding = commanded(u, U_HOLD) ? 1.0 : 0.0;
-    const int failed = value_of(x[X_FAILED]) != 0.0;
-    return (Grip){value_of(x[X_LATCHED]), holding, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], failed};
+    const int failed = value_of(x[X_FAILED]) != 0.0, opened = value_of(x[X_OPENED]) != 0.0;
+    return (Grip){value_of(x[X_LATCHED]), holding, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], failed, opened, 0.0};
 }
 
 /* Moves friction that sticks with the hinge from one angle to another. */
@@ -109,7 +120,8 @@ static inline void move_along(const Hinge *hinge, real from, real to, Grip *grip
 
 /* Whether the latch engages by itself and has not yet. */
 static inline int awaits_latch(const Hinge *hinge, const Grip *grip) {
-    return hinge->base.p[P_LATCH_AUTOMATIC] > 0.5 && grip->latched == 0.0 && !grip->failed && hinge->latch_kind != NONE_LATCH;
+    const int is_free = grip->latched == 0.0 && !grip->opened && !grip->failed;
+    return hinge->base.p[P_LATCH_AUTOMATIC] > 0.5 && is_free && hinge->latch_kind != NONE_LATCH;
 }
 
 static inline void latch_if_reached(const Hinge *hinge, Grip *grip, int reached) {

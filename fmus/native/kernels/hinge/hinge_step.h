@@ -17,6 +17,7 @@ static inline void store_motion(const Motion *motion, real *x) {
 static inline void store_grip(const Grip *grip, real *x) {
     x[X_LATCHED] = grip->latched;
     x[X_LATCHED_ANGLE] = grip->latched_angle;
+    x[X_OPENED] = grip->opened;
     x[X_HOLDING] = grip->holding;
     x[X_HOLD_ANGLE] = grip->hold_angle;
     x[X_PRESLIDING] = grip->presliding;
@@ -25,7 +26,7 @@ static inline void store_grip(const Grip *grip, real *x) {
 /* A joint that fails turns to heat what it stores at the coordinates. */
 static inline void store_failure(const Hinge *hinge, const double *x, const double *coordinates, real *x_next) {
     if (x[X_FAILED] != 0.0) return;
-    const Grip grip = {x[X_LATCHED], x[X_HOLDING], x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], 0};
+    const Grip grip = {x[X_LATCHED], x[X_HOLDING], x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], 0, 0, 0.0};
     real place[COORDINATE_COUNT];
     for (int i = 0; i < COORDINATE_COUNT; i++) place[i] = coordinates[i];
     x_next[X_FAILED] = 1.0;
@@ -81,6 +82,7 @@ static inline void endpoint_step(const Hinge *hinge, const double *x, Grip *grip
         x_next[X_FRICTION_HEAT + i] = x[X_FRICTION_HEAT + i] + 0.5 * h * (x[X_POWER + i] + loads.heat[i]);
         x_next[X_POWER + i] = loads.heat[i];
     }
+    x_next[X_LATCH_HEAT] += grip->lost;
 }
 
 /* Motions of the six coordinates; at order 4 with the moments of their rates. */
@@ -127,6 +129,7 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
         x_next[X_FRICTION_HEAT + i] = x[X_FRICTION_HEAT + i] + loads.heat[i];
         x_next[X_POWER + i] = x[X_POWER + i];
     }
+    x_next[X_LATCH_HEAT] += grip->lost;
     x_next[X_NUMERICAL] = x[X_NUMERICAL] + loads.numerical;
     x_next[X_FAILED] = x_next[X_FAILURE_ANGLE] = x_next[X_FAILURE_HEAT] = 0.0;
 }
@@ -157,7 +160,7 @@ static inline int is_open_across(const Hinge *hinge, const Motion *new, Reason *
 /* One step; the inputs are those of its end. Commands act from its start. */
 int NAME(hinge_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Hinge *hinge = self;
-    Grip grip = commanded_grip(x, u);
+    Grip grip = commanded_grip(hinge, x, u);
     Motion new = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     if (grip.failed) {
         free_step(hinge, x, &new, x_next);

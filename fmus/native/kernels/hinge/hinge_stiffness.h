@@ -321,7 +321,7 @@ int hinge_stiffness(void *self, const double *x, const double *u, double h, size
     real given[INPUTS + MOMENTS];
     for (int i = 0; i < INPUTS + MOMENTS; i++) given[i] = u[i];
     if (ports != 2 || !hinge->base.paired || commanded(given, U_IMPULSE)) return 0;
-    Grip grip = commanded_grip(x, given);
+    Grip grip = commanded_grip(hinge, x, given);
     if (grip.failed) {
         memset(matrix, 0, 2 * PORT_ROWS * 2 * PORT_COORDINATES * sizeof *matrix);
         return 1;
