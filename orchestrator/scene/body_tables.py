@@ -17,7 +17,17 @@ from .construction.panel_tables import PanelTable
 from .construction.part import Flag, PartTable
 from .damping import StructuralDamping
 from .table import ORIGIN, Direction, Inertia, Name, Place, Table
-from .units import AngularVelocity, Coordinate, Frequency, Mass, MomentOfInertia, Position, Ratio, Velocity
+from .units import (
+    AngularVelocity,
+    Coordinate,
+    Frequency,
+    Mass,
+    MomentOfInertia,
+    Position,
+    Ratio,
+    Size,
+    Velocity,
+)
 
 Fidelity = Literal["rigid", "flexible", "large_deformation"]
 
@@ -98,6 +108,8 @@ class Base(Table):
     """Mass properties of a spacecraft that moves under the loads."""
     motion: Motion | None = None
     """Prescribed motion of the spacecraft."""
+    size: Size | None = None
+    """Sides of the box that pictures show for the spacecraft, along its axes; by default of its mass properties."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

@@ -22,6 +22,27 @@ const mixed = (values, place) => {
   return found.map(value => value / size);
 };
 
+/** The quaternion of one turn after another: the second first. */
+const after = (a, b) => {
+  const [u, v] = [[a[1], a[2], a[3]], [b[1], b[2], b[3]]];
+  return [a[0] * b[0] - dot(u, v), ...plus(plus(times(a[0], v), times(b[0], u)), cross(u, v))];
+};
+
+/** A quaternion that turns x into a direction. */
+const fromX = direction => {
+  const [x, y, z] = unit(direction);
+  const found = x > -0.999999 ? [1 + x, 0, -z, y] : [0, 0, 0, 1];
+  const size = Math.hypot(...found);
+  return found.map(value => value / size);
+};
+
+/** Rows of the matrix of a unit quaternion. */
+const rowsOf = ([w, x, y, z]) => [
+  1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+  2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+  2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
+];
+
 const multiplied = (a, b) => {
   const found = new Float32Array(16);
   for (let column = 0; column < 4; column++) {

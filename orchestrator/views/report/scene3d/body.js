@@ -11,6 +11,8 @@ class Body {
     this.triangles = decoded(content.triangles);
     this.lines = decoded(content.lines);
     this.outline = decoded(content.outline);
+    this.thickness = content.thickness || 0;
+    this.isBase = Boolean(content.is_base);
     this.clock = decoded(content.time);
     this.positions = decoded(content.position);
     this.orientations = decoded(content.orientation);
@@ -20,6 +22,7 @@ class Body {
     this.position = [0, 0, 0];
     this.orientation = [1, 0, 0, 0];
     this.amplitudes = new Float32Array(this.formCount);
+    this.spots = Float32Array.from(this.nodes); // nodes as they are bent now, in the axes of the body
   }
 
   /** Take the pose and the amplitudes of a time (s); deformation times a factor. */
@@ -29,18 +32,35 @@ class Body {
     this.orientation = mixed(this.orientations, place);
     interpolated(this.amplitudeRows, this.formCount, place, this.amplitudes);
     if (this.scales) for (let k = 0; k < this.formCount; k++) this.amplitudes[k] *= factor;
+    if (this.formCount) this.bend();
     if (this.stress) this.stress.move(time);
+  }
+
+  bend() {
+    const { spots, nodes, forms, amplitudes, formCount } = this;
+    for (let row = 0, first = 0; row < spots.length; row++, first += formCount) {
+      let sum = nodes[row];
+      for (let k = 0; k < formCount; k++) sum += forms[first + k] * amplitudes[k];
+      spots[row] = sum;
+    }
   }
 
   /** A node as the body's own axes have it, bent. */
   bent(node) {
-    const found = [0, 0, 0];
-    for (let axis = 0; axis < 3; axis++) {
+    return [this.spots[3 * node], this.spots[3 * node + 1], this.spots[3 * node + 2]];
+  }
+
+  /** Where a point near a node is in the world at another time, without deformation scaled. */
+  placedAt(time, node, arm) {
+    const place = between(this.clock, time);
+    const amplitudes = interpolated(this.amplitudeRows, this.formCount, place, new Float32Array(this.formCount));
+    const bent = [0, 1, 2].map(axis => {
       const row = 3 * node + axis;
-      found[axis] = this.nodes[row];
-      for (let k = 0; k < this.formCount; k++) found[axis] += this.forms[row * this.formCount + k] * this.amplitudes[k];
-    }
-    return found;
+      let sum = this.nodes[row] + arm[axis];
+      for (let k = 0; k < this.formCount; k++) sum += this.forms[row * this.formCount + k] * amplitudes[k];
+      return sum;
+    });
+    return plus(interpolated(this.positions, 3, place, [0, 0, 0]), turned(mixed(this.orientations, place), bent));
   }
 
   placed(point) {
@@ -70,26 +90,32 @@ class Stress {
     this.shownPeak = content.shown_peak;
     this.tolerance = content.tolerance;
     this.coordinates = new Float32Array(this.columns);
+    this.vonMises = new Float32Array(content.rows.shape[0] / 6);
+    [this.where, this.largest] = [0, 0];
   }
 
   move(time) {
     interpolated(this.history, this.columns, between(this.clock, time), this.coordinates);
   }
 
-  /** Largest von Mises stress (Pa) of any node, of both faces, as the shader finds it. */
-  largest() {
-    let most = 0;
-    const face = [0, 0, 0];
-    for (let first = 0; first < this.rows.length; first += 3 * this.columns) {
-      for (let part = 0; part < 3; part++) {
-        const start = first + part * this.columns;
-        face[part] = 0;
-        for (let k = 0; k < this.columns; k++) face[part] += this.rows[start + k] * this.coordinates[k];
+  /** Von Mises stress (Pa) of every node, of the face where it is larger; where it is largest of all. */
+  field() {
+    const { rows, columns, coordinates, vonMises } = this;
+    let where = 0;
+    for (let node = 0, at = 0; node < vonMises.length; node++) {
+      let most = 0;
+      for (let face = 0; face < 2; face++) {
+        let [sx, sy, txy] = [0, 0, 0];
+        for (let k = 0; k < columns; k++) sx += rows[at++] * coordinates[k];
+        for (let k = 0; k < columns; k++) sy += rows[at++] * coordinates[k];
+        for (let k = 0; k < columns; k++) txy += rows[at++] * coordinates[k];
+        most = Math.max(most, 0.5 * (sx * sx + sy * sy + (sx - sy) * (sx - sy)) + 3 * txy * txy);
       }
-      const [sx, sy, txy] = face;
-      most = Math.max(most, 0.5 * (sx * sx + sy * sy + (sx - sy) * (sx - sy)) + 3 * txy * txy);
+      vonMises[node] = Math.sqrt(most);
+      if (vonMises[node] > vonMises[where]) where = node;
     }
-    return Math.sqrt(most);
+    this.where = where;
+    this.largest = vonMises[where];
   }
 }
 

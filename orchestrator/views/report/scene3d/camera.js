@@ -11,18 +11,23 @@ class Camera {
     this.size = Math.max(length(minus(high, low)), 1e-6);
     this.center = times(0.5, plus(low, high));
     this.wide = high[0] - low[0] >= high[1] - low[1];
-    this.reset(1);
+    this.reset();
   }
 
-  /** See everything from the default side: obliquely along the longer horizontal axis. */
-  reset(aspect) {
-    this.look(this.wide ? -60 : 30, 28, aspect);
+  /** The first view: three quarters of the way to the longer horizontal axis, and following what there is. */
+  reset() {
+    this.look(this.wide ? -52 : 38, 24);
+    this.follows = true;
   }
 
-  /** See everything from a side; angles in degrees about z and above the horizon. */
-  look(azimuth, elevation, aspect, points = this.points) {
+  /** Look from a side; angles in degrees about z and above the horizon. */
+  look(azimuth, elevation) {
     this.azimuth = azimuth * RADIAN;
     this.elevation = elevation * RADIAN;
+  }
+
+  /** See all points from the side of now. */
+  fit(aspect, points = this.points) {
     this.target = this.center;
     const { right, up, back } = this.axes();
     for (let round = 0; round < 3; round++) {
@@ -51,12 +56,14 @@ class Camera {
 
   /** Shift by parts of the picture's height. */
   shift(right, up) {
+    this.follows = false;
     const axes = this.axes();
     const height = 2 * HALF_ANGLE * this.distance;
     this.target = plus(this.target, plus(times(right * height, axes.right), times(up * height, axes.up)));
   }
 
   zoom(factor) {
+    this.follows = false;
     this.distance = Math.min(Math.max(this.distance * factor, 1e-3 * this.size), 50 * this.size);
   }
 

@@ -9,13 +9,17 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import to_rgb
 
+from components import FanfoldError
 from components.contract.component import Vector
 
+from ....analysis.stress.model import scene_of
 from ....assembly import Geometry
 from ....results.result import Result
+from ....scene.placed_scene import PlacedScene
 from ...style import COLOURS
 from .bodies import Room, ShownBody, extent, moving_bodies
 from .curves import contents, panels
+from .looks import spacecraft, thickness
 from .marks import marks
 from .numbers import double
 
@@ -49,13 +53,18 @@ def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[
     boxes, made, bodies = list[tuple[Vector, Vector]](), list[dict[str, object]](), list[ShownBody]()
     for result, letter, label in zip(results, letters, labels, strict=True):
         rows = np.flatnonzero(np.diff(result.time, prepend=-np.inf) > 0.0)  # of an event the row before
+        scene = _scene(result, remarks)
         shown = _bodies(result, remarks)
         found = list[ShownBody]()
         if shown:
             boxes.append(extent(result, shown, rows))
             size = float(np.linalg.norm(boxes[-1][1] - boxes[-1][0])) or 1.0
-            every = shown | _frames(result, shown)
+            every = _spacecraft(result, scene) | shown
+            every |= _frames(result, every)
             found = moving_bodies(result, every, rows, size, room, remarks)
+            for one in found:
+                one.data["thickness"] = 0.0 if scene is None else thickness(scene, one.name)
+                one.data["is_base"] = scene is not None and one.name == scene.base.name
         bodies += found
         made.append(
             {
@@ -63,7 +72,7 @@ def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[
                 "label": label,
                 "clock": double(result.time),
                 "bodies": [one.data for one in found],
-                "marks": marks(result, [one.name for one in found], rows, remarks) if found else {},
+                "marks": marks(result, scene, shown, [one.name for one in found], rows) if found else {},
                 "plots": contents(panels(result)),
                 "events": [
                     {"time": time, "component": name, "text": text} for time, name, text in result.events
@@ -86,6 +95,25 @@ def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[
         max((one.tolerance for one in bodies), default=0.0),
         max((one.stress_tolerance for one in bodies), default=0.0),
     )
+
+
+def _scene(result: Result, remarks: list[str]) -> PlacedScene | None:
+    """The scene that a result holds; None, and a remark, where it holds none."""
+    try:
+        scene = scene_of(result)
+        scene.points  # noqa: B018 - what is wrong with it shows here
+    except FanfoldError as error:
+        why = str(error).removeprefix(f"{result.name}: ")
+        remarks.append(f"Ports and hinge axes are not shown: {why}")
+        return None
+    return scene
+
+
+def _spacecraft(result: Result, scene: PlacedScene | None) -> dict[str, Geometry]:
+    box = None if scene is None else spacecraft(scene.base)
+    if scene is None or box is None or not _is_finite(result, scene.base.name):
+        return {}
+    return {scene.base.name: box}
 
 
 def _bodies(result: Result, remarks: list[str]) -> dict[str, Geometry]:

@@ -16,7 +16,7 @@ from .numbers import safe_json
 
 _FOLDER = Path(__file__).parent
 _SCRIPTS = (
-    "numbers", "algebra", "body", "gpu", "camera", "picture", "labels", "clock", "plots", "main",
+    "numbers", "algebra", "theme", "body", "solid", "gpu", "camera", "picture", "labels", "clock", "plots", "main",
 )  # fmt: skip
 """In the order in which they are needed."""
 

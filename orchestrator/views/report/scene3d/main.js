@@ -4,73 +4,67 @@ const byId = name => document.getElementById(name);
 
 /** The picture in space with its controls; nothing of it where the page has none or the browser no WebGL2. */
 class View {
-  constructor(content, clock) {
+  constructor(content, clock, theme) {
     this.clock = clock;
+    this.theme = theme;
     this.content = content;
     this.canvas = byId("view-space");
     this.shown = content.results.map(result => new Shown(result, content.body_colours));
-    this.picture = new Picture(this.canvas, this.shown, content.ramp);
-    this.labels = new Labels(byId("view-names"));
     const cloud = this.shown.flatMap(one => one.cloud(clock.first, clock.last));
     this.camera = new Camera(cloud, content.low, content.high);
+    this.picture = new Picture(this.canvas, this.shown, content.ramp, cloud, this.camera.size);
+    this.labels = new Labels(byId("view-names"), content.ramp);
     this.isDue = false;
     this.steps = [...new Set(this.shown.flatMap(one => one.bodies.flatMap(body => Array.from(body.clock))))].sort((a, b) => a - b);
     this.prepareOptions();
     this.prepareEye();
     clock.listen(() => this.due());
+    theme.listen(() => this.due());
     byId("view").hidden = false;
     byId("view-stills").hidden = true;
     this.resize();
-    this.camera.reset(this.aspect());
     new ResizeObserver(() => this.resize()).observe(byId("stage"));
     addEventListener("beforeprint", () => this.print());
   }
 
   prepareOptions() {
     const stresses = this.shown.flatMap(one => one.bodies).filter(body => body.stress).map(body => body.stress);
-    for (const name of ["colour", "factor", "arrangement", "names-shown", "joints", "links", "loads"]) {
+    for (const name of ["colour", "factor", "arrangement", "names-shown", "joints", "links", "loads", "trails", "ground"]) {
       byId(`view-${name}`).addEventListener("change", () => this.due());
     }
     byId("view-factor").addEventListener("input", () => this.due());
     byId("view-arrangement-label").hidden = this.shown.length < 2;
-    byId("view-arrangement").addEventListener("change", () => this.camera.reset(this.aspect()));
     byId("view-colour").parentElement.hidden = stresses.length === 0;
     byId("view-limit").addEventListener("input", () => this.due());
     const shownPeak = Math.max(0, ...stresses.map(stress => stress.shownPeak));
     byId("view-limit").value = Number((shownPeak / 1e6).toPrecision(2));
-    const stops = this.content.ramp.map(colour => `rgb(${colour.map(part => Math.round(255 * part)).join(",")})`);
-    byId("view-ramp").style.background = `linear-gradient(to right, ${stops.join(",")})`;
   }
 
   prepareEye() {
     const { canvas, camera } = this;
-    const look = (azimuth, elevation) => () => {
-      camera.look(azimuth, elevation, this.aspect());
-      this.due();
-    };
-    const all = () => {
-      camera.reset(this.aspect());
-      this.due();
-    };
-    const now = () => {
-      this.move();
-      const points = this.shown.flatMap(one => one.bodies.flatMap(body => Array.from({ length: body.count }, (_, node) => body.placed(body.bent(node)))));
-      camera.look(camera.azimuth / RADIAN, camera.elevation / RADIAN, this.aspect(), points);
-      this.due();
-    };
     const act = (change, ...values) => () => {
       camera[change](...values);
+      this.due();
+    };
+    const look = (azimuth, elevation) => act("look", azimuth, elevation);
+    const all = () => {
+      camera.follows = false;
+      camera.fit(this.aspect());
+      this.due();
+    };
+    const fit = () => {
+      camera.follows = true;
       this.due();
     };
     const shiftKeys = { ArrowLeft: act("shift", -0.05, 0), ArrowRight: act("shift", 0.05, 0), ArrowUp: act("shift", 0, 0.05), ArrowDown: act("shift", 0, -0.05) };
     const keys = {
       ArrowLeft: act("turn", -5 * RADIAN, 0), ArrowRight: act("turn", 5 * RADIAN, 0),
       ArrowUp: act("turn", 0, 5 * RADIAN), ArrowDown: act("turn", 0, -5 * RADIAN),
-      "+": act("zoom", 0.85), "-": act("zoom", 1 / 0.85), 0: all, f: now,
+      "+": act("zoom", 0.85), "-": act("zoom", 1 / 0.85), 0: act("reset"), f: fit, a: all,
       x: look(0, 0), y: look(-90, 0), z: look(-90, 90),
       " ": () => this.clock.toggle(), ",": () => this.step(-1), ".": () => this.step(1),
     };
-    Object.entries({ all, fit: now, x: keys.x, y: keys.y, z: keys.z }).forEach(([name, turn]) => byId(`view-${name}`).addEventListener("click", turn));
+    Object.entries({ all, fit, x: keys.x, y: keys.y, z: keys.z }).forEach(([name, turn]) => byId(`view-${name}`).addEventListener("click", turn));
     canvas.addEventListener("keydown", event => {
       const found = (event.shiftKey && shiftKeys[event.key]) || keys[event.key];
       if (!found || event.ctrlKey || event.altKey || event.metaKey) return;
@@ -142,58 +136,57 @@ class View {
   due() {
     if (this.isDue) return;
     this.isDue = true;
-    requestAnimationFrame(() => this.draw());
+    requestAnimationFrame(() => { if (this.isDue) this.draw(); });
   }
 
   parts() {
     const { width } = this.canvas;
     const half = Math.floor(width / 2);
     const [a, b] = this.shown.map(one => one.label);
+    const one = number => [{ number, outlined: false }];
     return {
-      first: [{ x: 0, width, shown: [{ number: 0, opacity: 1 }], caption: b ? a : "" }],
-      second: [{ x: 0, width, shown: [{ number: 1, opacity: 1 }], caption: b }],
-      beside: [{ x: 0, width: half, shown: [{ number: 0, opacity: 1 }], caption: a }, { x: half, width: half, shown: [{ number: 1, opacity: 1 }], caption: b }],
-      over: [{ x: 0, width, shown: [{ number: 0, opacity: 1 }, { number: 1, opacity: 0.4 }], caption: `${a}; transparent: ${b}` }],
+      first: [{ x: 0, width, shown: one(0), caption: b ? a : "" }],
+      second: [{ x: 0, width, shown: one(1), caption: b }],
+      beside: [{ x: 0, width: half, shown: one(0), caption: a }, { x: half, width: half, shown: one(1), caption: b }],
+      over: [{ x: 0, width, shown: [...one(0), { number: 1, outlined: true }], caption: `${a}; outlines: ${b}` }],
     }[this.arrangement()];
-  }
-
-  /** Bodies to where they are now. */
-  move() {
-    const factor = Math.max(0, Number(byId("view-factor").value) || 0);
-    for (const one of this.shown) one.move(this.clock.time, factor);
   }
 
   draw() {
     this.isDue = false;
-    this.move();
     const isStressed = byId("view-colour").value === "stress";
+    const factor = Math.max(0, Number(byId("view-factor").value) || 0);
+    for (const one of this.shown) one.move(this.clock.time, factor, isStressed);
+    const parts = this.parts();
+    if (this.camera.follows) this.camera.fit(this.aspect(), parts.flatMap(part => part.shown.flatMap(({ number }) => this.shown[number].places())));
     const limit = Number(byId("view-limit").value) * 1e6;
+    const isOn = name => byId(`view-${name}`).checked;
     const options = {
       stressLimit: isStressed ? Math.max(limit, 1) : 0,
-      names: byId("view-names-shown").checked,
-      joints: byId("view-joints").checked,
-      links: byId("view-links").checked,
-      loads: byId("view-loads").checked,
-      scale: this.scale,
+      names: isOn("names-shown"), joints: isOn("joints"), links: isOn("links"), loads: isOn("loads"),
+      trails: isOn("trails"), ground: isOn("ground"), scale: this.scale, theme: this.theme.now,
     };
-    const parts = this.parts();
     this.picture.draw(this.camera, parts, options, this.clock.time);
     this.labels.draw(this.camera, parts, this.shown, options);
-    byId("view-scale").hidden = byId("view-limit-label").hidden = !isStressed;
-    byId("view-limit-told").textContent = `${written(limit / 1e6)} MPa or more, larger face; grey: unknown`;
-    byId("view-reading").textContent = this.reading(isStressed);
+    byId("view-limit-label").hidden = !isStressed;
+    const told = this.reading(isStressed);
+    if (byId("view-reading").textContent !== told) byId("view-reading").textContent = told;
   }
 
   /** Largest stresses and loads of now, in words. */
   reading(isStressed) {
     const told = [];
     for (const one of this.shown) {
-      const found = isStressed ? one.bodies.filter(body => body.stress).map(body => `${body.name} ${Number((body.stress.largest() / 1e6).toPrecision(3))} MPa`) : [];
+      const found = isStressed ? one.bodies.filter(body => body.stress).map(({ name, stress, nodes }) => {
+        const [x, y] = [0, 1].map(axis => digits(nodes[3 * stress.where + axis], 3));
+        return `${name} ${digits(stress.largest / 1e6, 3)} MPa at x ${x} m, y ${y} m`;
+      }) : [];
       const words = found.length ? [`largest stress: ${found.join(", ")}`] : [];
       if (byId("view-loads").checked && one.loads.length) {
         const now = load => length(interpolated(load.values, 3, between(load.clock, this.clock.time), [0, 0, 0]));
-        const loads = one.loads.filter(load => load.peak > 0).map(load => `${load.name} ${Number(now(load).toPrecision(3))} ${load.unit}`);
-        words.push(`loads on the spacecraft: ${loads.join(", ")}`);
+        const isSeen = load => now(load) > 1e-3 * one.peaks[load.unit];
+        const loads = one.loads.filter(isSeen).map(load => `${load.name} ${digits(now(load), 3)} ${load.unit}`);
+        if (loads.length) words.push(`loads on the spacecraft: ${loads.join(", ")}`);
       }
       if (words.length) told.push(`${this.shown.length > 1 ? `${one.label}: ` : ""}${words.join("; ")}`);
     }
@@ -260,13 +253,14 @@ const showStills = reason => {
 const start = () => {
   const content = JSON.parse(byId("view-data").textContent);
   const clocks = content.results.map(result => decoded(result.clock));
+  const theme = new Theme();
   const clock = new Clock(Math.min(...clocks.map(one => one[0])), Math.max(...clocks.map(one => one[one.length - 1])));
   const events = content.results.flatMap(result => result.events.map(event => ({
     ...event, text: content.results.length > 1 ? `${result.letter}: ${event.text}` : event.text,
   })));
   if (byId("view")) {
     try {
-      const view = new View(content, clock);
+      const view = new View(content, clock, theme);
       view.canvas.addEventListener("webglcontextlost", () => showStills("the browser has freed its memory"));
       prepareClock(clock, events.sort((a, b) => a.time - b.time));
     } catch (error) {
@@ -274,7 +268,7 @@ const start = () => {
     }
   }
   byId("plots").hidden = byId("view-help").hidden = false;
-  preparePlots(new Plots(byId("plots-list"), content, clock, content.colours.map(colour => `rgb(${colour.map(part => Math.round(255 * part)).join(",")})`)));
+  preparePlots(new Plots(byId("plots-list"), content, clock, theme));
 };
 
 start();

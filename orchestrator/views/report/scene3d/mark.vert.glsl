@@ -10,5 +10,5 @@ out vec3 tinted;
 
 void main() {
   tinted = tint;
-  gl_Position = widened(toClip * vec4(first, 1.0), toClip * vec4(last, 1.0), widths, 1e-4);
+  gl_Position = widened(toClip * vec4(first, 1.0), toClip * vec4(last, 1.0), widths, 2e-5);
 }

@@ -6,12 +6,11 @@ from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
-from components import FanfoldError
 from components.contract.component import Vector
 from components.contract.frames import add
 from components.contract.roles import INTERFACE_LOAD
 
-from ....analysis.stress.model import scene_of
+from ....assembly import Geometry
 from ....results.point_loads import port_loads
 from ....results.result import Result
 from ....scene.placed_scene import PlacedScene
@@ -24,24 +23,37 @@ Place = dict[str, object]
 """body: its name, or none for the world; point: (3,) in its frame at rest, m"""
 
 
-def marks(result: Result, bodies: Collection[str], rows: Rows, remarks: list[str]) -> dict[str, object]:
-    """Ports, axes, links and loads for the page; remarks: gets a sentence where the result does not hold its scene."""
-    ports, axes, links = list[dict[str, object]](), list[dict[str, object]](), list[dict[str, object]]()
+def marks(
+    result: Result,
+    scene: PlacedScene | None,
+    shown: Mapping[str, Geometry],
+    bodies: Collection[str],
+    rows: Rows,
+) -> dict[str, object]:
+    """Ports, hinges, dampers, links, tips and loads for the page; shown: bodies with a surface, bodies: all that move.
+
+    Without a scene there are loads alone.
+    """
+    places = {} if scene is None else _places(scene, bodies)
+    found: dict[str, list[dict[str, object]]] = {
+        "ports": [{"name": f"{name}.{port}", **place} for (name, port), place in places.items()],
+        "axes": [],
+        "dampers": [],
+        "links": [],
+        "tips": [],
+    }
     at_base: dict[str, Place] = {}
-    try:
-        scene = scene_of(result)
-        places = _places(scene, bodies)
-    except FanfoldError as error:
-        why = str(error).removeprefix(f"{result.name}: ")
-        remarks.append(f"Ports and hinge axes are not shown: {why}")
-    else:
-        ports = [{"name": f"{name}.{port}", **place} for (name, port), place in places.items()]
-        axes, links = list(_axes(scene, places)), list(_links(scene, places))
+    if scene is not None:
+        found["axes"] = list(_axes(scene, places))
+        found["dampers"] = list(_dampers(scene, places))
+        found["links"] = list(_links(scene, places))
+        found["tips"] = list(_tips(scene, shown))
         at_base = {name: place for (name, _), place in places.items() if place["body"] == scene.base.name}
-    loads = list(_loads(result, at_base, rows))
-    for place in (*ports, *axes, *loads, *(end for link in links for end in _ends(link))):
+    found["loads"] = list(_loads(result, at_base, rows))
+    ends = (end for link in found["links"] for end in _ends(link))
+    for place in (*(one for kind in found if kind != "links" for one in found[kind]), *ends):
         place["body"] = place["body"] if place["body"] in bodies else None
-    return {"ports": ports, "axes": axes, "links": links, "loads": loads}
+    return {**found}
 
 
 def _places(scene: PlacedScene, bodies: Collection[str]) -> dict[tuple[str, str], Place]:
@@ -62,14 +74,37 @@ def _axes(scene: PlacedScene, places: Mapping[tuple[str, str], Place]) -> Iterat
                 yield {"name": line.name, "axis": list(line.axis), **place}
 
 
+def _dampers(scene: PlacedScene, places: Mapping[tuple[str, str], Place]) -> Iterator[dict[str, object]]:
+    """Dampers at the inboard ports of their hinges, with the axis of the line."""
+    axes = {hinge.name: line.axis for line in scene.hinge_lines for hinge in line.hinges}
+    for damper in scene.dampers:
+        if damper.hinge in axes and (place := places.get((damper.hinge, "inboard"))):
+            yield {"name": damper.name, "axis": list(axes[damper.hinge]), **place}
+
+
+def _tips(scene: PlacedScene, shown: Mapping[str, Geometry]) -> Iterator[dict[str, object]]:
+    """Of bodies that carry no other, the node farthest from their hinges."""
+    inner = {line.inboard for line in scene.hinge_lines}
+    for line in scene.hinge_lines:
+        if line.outboard in shown and line.outboard not in inner:
+            nodes = np.asarray(shown[line.outboard].positions)
+            roots = np.array([scene.points[line.outboard][hinge.outboard] for hinge in line.hinges])
+            farthest = int(np.argmax(np.linalg.norm(nodes - roots.mean(axis=0), axis=1)))
+            yield {"body": line.outboard, "point": nodes[farthest].tolist()}
+
+
 def _links(scene: PlacedScene, places: Mapping[tuple[str, str], Place]) -> Iterator[dict[str, object]]:
-    """Cable loops from pulley to pulley, and other connections from port to port."""
-    pairs = {loop.name: ("pulley_1", "pulley_2") for loop in scene.loops}
-    pairs |= {one.name: tuple(one.ports) for one in scene.connections if len(one.ports) == 2}  # type: ignore[misc]
-    for name, (first, last) in pairs.items():
-        ends = [places.get((name, port)) for port in (first, last)]
-        if all(ends):
-            yield {"name": name, "ends": [dict(end) for end in ends if end]}
+    """Cable loops from pulley to pulley, by way of their guide, and other connections from port to port."""
+    for loop in scene.loops:
+        ports = ("pulley_1", "guide", "pulley_2")
+        ends = [dict(place) for port in ports if (place := places.get((loop.name, port)))]
+        if len(ends) > 1:
+            radii = [loop.pulley_1.radius, loop.pulley_2.radius]
+            yield {"name": loop.name, "ends": ends, "radii": radii, "axis": list(loop.axis)}
+    for one in scene.connections:
+        ends = [dict(place) for port in one.ports if (place := places.get((one.name, port)))]
+        if len(one.ports) == len(ends) == 2:
+            yield {"name": one.name, "ends": ends, "radii": [], "axis": []}
 
 
 def _ends(link: Mapping[str, object]) -> list[Place]:

@@ -47,6 +47,9 @@ const interpolated = (values, size, { left, share }, out) => {
   return out;
 };
 
+/** A number with so many digits, without trailing zeros. */
+const digits = (value, count) => String(Number(value.toPrecision(count)));
+
 /** A number in six digits, without an exponent where it needs none. */
 const written = value => {
   const size = Math.abs(value);

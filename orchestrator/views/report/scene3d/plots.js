@@ -19,13 +19,13 @@ const ticks = (low, high, count) => {
 
 /** A curve: its values at rows of the recorded times. */
 class Curve {
-  constructor(content, clock, number, result, letter, colours) {
+  constructor(content, clock, number, result, letter, colour) {
     const rows = content.rows && decoded(content.rows);
     this.letter = letter; // of its result, empty of one alone
     this.label = `${letter}${content.label}`;
     this.values = decoded(content.values);
     this.clock = rows ? Float64Array.from(rows, row => clock[row]) : clock;
-    this.colour = colours[number % colours.length];
+    this.tint = colour;
     this.dash = DASHES[(number + 3 * result) % DASHES.length];
     this.width = result ? 1 : 1.5;
   }
@@ -47,8 +47,8 @@ class Curve {
   }
 
   /** Draw rows within a range; of many rows in one pixel the ends, the lowest and the highest. */
-  draw(pen, range, x, y) {
-    pen.strokeStyle = this.colour;
+  draw(pen, range, x, y, theme) {
+    pen.strokeStyle = css(theme.shown(this.tint));
     pen.setLineDash(this.dash);
     pen.lineWidth = this.width;
     pen.beginPath();
@@ -128,7 +128,7 @@ class Plot {
       [sample.width, sample.height] = [56, 16];
       sample.setAttribute("aria-hidden", "true");
       const pen = sample.getContext("2d");
-      pen.strokeStyle = curve.colour;
+      pen.strokeStyle = css(this.plots.theme.shown(curve.tint));
       pen.lineWidth = 2 * curve.width;
       pen.setLineDash(curve.dash.map(part => 2 * part));
       pen.beginPath();
@@ -194,7 +194,7 @@ class Plot {
     pen.beginPath();
     pen.rect(LEFT, TOP, this.width - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
     pen.clip();
-    for (const curve of this.curves) curve.draw(pen, this.plots.range, time => this.x(time), y);
+    for (const curve of this.curves) curve.draw(pen, this.plots.range, time => this.x(time), y, this.plots.theme);
     pen.restore();
     this.events(pen);
     this.cursor();
@@ -204,8 +204,9 @@ class Plot {
   axes(pen, low, high, y) {
     const right = this.width - RIGHT;
     pen.font = "11px system-ui, sans-serif";
-    pen.fillStyle = "#333333";
-    pen.strokeStyle = "#dddddd";
+    const { soft, faint } = this.plots.theme.now;
+    pen.fillStyle = soft;
+    pen.strokeStyle = faint;
     pen.lineWidth = 1;
     pen.textBaseline = "middle";
     pen.textAlign = "right";
@@ -221,15 +222,14 @@ class Plot {
     });
     pen.textAlign = "left";
     pen.fillText(this.unit, 2, TOP - 6);
-    pen.strokeStyle = "#777777";
+    pen.strokeStyle = soft;
     pen.strokeRect(LEFT, TOP, right - LEFT, HEIGHT - TOP - BOTTOM);
   }
 
   /** Instants of events as dotted lines, with their names above where there is room. */
   events(pen) {
     let free = LEFT;
-    pen.strokeStyle = "#555555";
-    pen.fillStyle = "#333333";
+    pen.strokeStyle = pen.fillStyle = this.plots.theme.now.soft;
     pen.lineWidth = 1;
     pen.textBaseline = "alphabetic";
     pen.textAlign = "left";
@@ -263,8 +263,10 @@ class Plot {
 
 /** All plots, with one range of time. */
 class Plots {
-  constructor(place, content, clock, colours) {
+  constructor(place, content, clock, theme) {
     this.place = place;
+    this.theme = theme;
+    const { colours } = content;
     this.clock = clock;
     this.whole = [clock.first, clock.last > clock.first ? clock.last : clock.first + 1]; // a run of one row has no range
     this.range = [...this.whole];
@@ -275,11 +277,12 @@ class Plots {
       const curves = content.results.flatMap((result, number) => {
         const panel = result.plots.find(one => one.title === title);
         const letter = content.results.length > 1 ? `${result.letter}: ` : "";
-        return panel ? panel.curves.map((curve, n) => new Curve(curve, clocks[number], n, number, letter, colours)) : [];
+        return panel ? panel.curves.map((curve, n) => new Curve(curve, clocks[number], n, number, letter, colours[n % colours.length])) : [];
       });
       return new Plot(title, unitName, curves, this, k < 4);
     });
     clock.listen(() => this.follow());
+    theme.listen(() => this.draw());
     new ResizeObserver(() => this.draw()).observe(place);
   }
 

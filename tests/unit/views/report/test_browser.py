@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from base64 import b64decode
 from dataclasses import replace
 from math import floor, log10
 from time import sleep
@@ -220,6 +222,8 @@ def test_keys_turn_the_view_and_play(page):
     key(page, "ArrowLeft")
     turned = page.picture("stage")
     assert changed(before, turned) > 0.005
+    key(page, "+")
+    assert changed(turned, page.picture("stage")) > 0.005
     key(page, "0")
     assert changed(before, page.picture("stage")) < 0.002  # but for the ring of the focus
     key(page, ".")
@@ -228,6 +232,28 @@ def test_keys_turn_the_view_and_play(page):
     assert page.run("document.getElementById('view-play').textContent") == "Pause"
     key(page, " ")
     assert page.run("document.getElementById('view-play').textContent") == "Play"
+
+
+def test_a_dark_screen_has_a_dark_view(page):
+    """And paper a light one."""
+    page.ask("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+    try:
+        page.run(DRAWN)
+        assert np.median(page.picture("stage")) < 0.3
+        assert np.median(page.picture("plots-list")) < 0.3
+        page.ask("Page.printToPDF")
+        shown = page.run("""(async () => {
+            const image = document.querySelector("#view-printed img");
+            await image.decode();
+            const pen = Object.assign(document.createElement("canvas"), { width: 1, height: 1 }).getContext("2d");
+            pen.drawImage(image, 0, 0);
+            return pen.getImageData(0, 0, 1, 1).data[0];
+        })()""")
+        assert shown > 200
+    finally:
+        page.ask("Emulation.setEmulatedMedia", features=[])
+    page.run(DRAWN)
+    assert np.median(page.picture("stage")) > 0.7
 
 
 def test_deformation_grows_with_its_factor(page):
@@ -296,4 +322,6 @@ def test_stress_and_two_results(browser, tmp_path):
     assert changed(beside, browser.picture("stage")) > 0.01
     labels = readings(browser, "Deployment angles")[1]
     assert {label[:3] for label in labels} == {"A: ", "B: "}
+    paper = b64decode(browser.ask("Page.printToPDF", preferCSSPageSize=True)["data"])
+    assert 1 <= len(re.findall(rb"/Type\s*/Page\b", paper)) <= 8
     assert browser.told == []

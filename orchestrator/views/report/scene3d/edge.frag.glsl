@@ -1,7 +1,0 @@
-precision highp float;
-uniform vec4 colour;
-out vec4 shown;
-
-void main() {
-  shown = colour;
-}
