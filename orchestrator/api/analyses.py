@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ..analysis.studies import LatchStudy
     from ..analysis.torque_margin.margins import TorqueMargin
     from ..analysis.torque_margin.restart import CaseRestart
-    from ..analysis.torque_margin.standard import FactorKind
+    from ..analysis.torque_margin.standard import FactorKind, GevsPhase
     from ..analysis.torque_margin.sweep import FrictionKind
     from ..analysis.vibration import Direction
     from ..assembly.statics.configuration import Configuration, Named
@@ -331,11 +331,12 @@ def torque_margin(
     *,
     cases: Names = (),
     factors: FactorKind = "theoretical",
+    gevs: GevsPhase | None = None,
     friction: FrictionKind = "sliding",
     torques: Mapping[str, Mapping[str, Quantity]] | None = None,
     positions: Annotated[int, Within(low=2, high=10_000)] = 19,
 ) -> TorqueMargin:
-    """Torque margin of every driven hinge line over its travel, limit 2; bodies are rigid.
+    """Torque margin of every driven hinge line over its travel; bodies are rigid.
 
     Lines that cable loops couple have one margin, at the rate of the first line.
 
@@ -347,6 +348,9 @@ def torque_margin(
         variants to analyse, "base" for none; by default base, and cold if the scene has it
     factors : {"theoretical", "measured"}
         uncertainty factors of ECSS-E-ST-33-01C, table 4-2
+    gevs : {"preliminary", "critical", "test"}, optional
+        adds the rule of GSFC-STD-7000 (GEVS), section 2.4.5.3, with its factors on known and variable torques:
+        preliminary or critical design review, or acceptance and qualification test
     friction : {"constant", "sliding", "static"}
         friction torques: "constant" is the preload torque alone; "sliding" and "static" add friction due to joint
         reactions
@@ -372,10 +376,12 @@ def torque_margin(
     """
     from ..analysis.torque_margin.margins import margin_cases
     from ..analysis.torque_margin.margins import torque_margin as find
-    from ..analysis.torque_margin.standard import DEMANDS, FACTORS
+    from ..analysis.torque_margin.standard import DEMANDS, FACTORS, GEVS_FACTORS
 
     if factors not in FACTORS:
         raise SceneError([f"there are no factors {factors!r}; factors are {', '.join(FACTORS)}"])
+    if gevs is not None and gevs not in GEVS_FACTORS:
+        raise SceneError([f"there is no phase {gevs!r} of GEVS; phases are {', '.join(GEVS_FACTORS)}"])
     symbols = (*FACTORS["theoretical"], *DEMANDS)
     extra: dict[str, dict[str, float]] = {}
     example = '{"HL2": {"HY": 0.02}}'
@@ -388,7 +394,7 @@ def torque_margin(
             value = in_si(torque, "N.m", f"the torque {symbol} of {line}", "zero or positive")
             extra.setdefault(line, {})[symbol] = value or 0.0
     count = at_least(positions, 2, "positions")
-    return find(margin_cases(as_scene(scene), listed(cases)), count, factors, friction, extra)
+    return find(margin_cases(as_scene(scene), listed(cases)), count, factors, friction, extra, gevs)
 
 
 def restart(

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from ..analysis.torque_margin.margins import TorqueMargin
 from ..analysis.torque_margin.restart import CaseRestart, Restart
-from ..analysis.torque_margin.rules import LIMIT, RULE_TEXTS, Found, Margins
+from ..analysis.torque_margin.rules import LIMITS, RULE_TEXTS, Found, Margins
 from ..results.round_off import noise_floor
 from ..scene.units import degrees_text
 from .tables import table_of
@@ -17,7 +17,9 @@ from .tables import table_of
 
 def margin_table(found: TorqueMargin) -> Table:
     """Every line, case and rule at its worst angle, in the order of the scene's lines."""
-    title = f"torque margin at the worst angle, limit {LIMIT:g}\n{found.factors} factors, {found.friction} friction"
+    rules = list(dict.fromkeys(rule.rule for one in found.lines for rule in one.margins))
+    phase = f", GEVS factors of phase {found.gevs}" if found.gevs else ""
+    title = f"torque margin at the worst angle\n{found.factors} factors, {found.friction} friction{phase}"
     left = ("line", "case", "rule", "verdict")
     headings = (*left[:3], "margin", "at,\ndeg", "driving,\nN.m", "resisting,\nN.m", "verdict")
     lines = list(dict.fromkeys(one.line for one in found.lines))
@@ -27,9 +29,13 @@ def margin_table(found: TorqueMargin) -> Table:
         for rule in one.margins
     )
     table = table_of(title, headings, rows, left)
-    table.caption = "\n".join(f"{rule} rule: {text}" for rule, text in RULE_TEXTS.items())
+    table.caption = "\n".join(f"{rule} rule, {_limit(LIMITS[rule])}: {RULE_TEXTS[rule]}" for rule in rules)
     table.caption_justify = "left"
     return table
+
+
+def _limit(limit: float) -> str:
+    return f"limit {limit:g}" if limit else "above 0"
 
 
 def _margin_cells(found: Found, rule: Margins) -> tuple[str, ...]:
@@ -123,8 +129,8 @@ def restart_sentences(runs: Sequence[CaseRestart]) -> list[str]:
     if not runs:
         return []
     sentences = [
-        f"restarts use nominal torques, margins use uncertainty factors and the limit {LIMIT:g}; so a line that "
-        "fails its margin may open"
+        "restarts use nominal torques, margins use uncertainty factors and a limit; so a line that fails its margin "
+        "may open"
     ]
     for run in runs:
         for net in dict.fromkeys(line.net for line in run.lines if line.net < 0.0):

@@ -12,11 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..analysis.torque_margin.margins import TorqueMargin
-from ..analysis.torque_margin.rules import LIMIT, Margins, Torques
+from ..analysis.torque_margin.rules import LIMITS, Margins, Torques
 from .style import COLOURS, STYLE, WIDTH, empty_figure, save_figure
 
 _MARKERS: Final = ("s", "^", "D", "v", "x")
-_DASHES: Final = {"sum": "-", "ECSS": "--"}
+_DASHES: Final = {"sum": "-", "ECSS": "--", "GEVS": "-."}
 _MARK_EVERY = 5
 _ROOM = 1.25
 _SHOWN = 4.0
@@ -47,9 +47,14 @@ def draw_line(path: Path, title: str, cases: Sequence[tuple[str, Torques, Sequen
             lower.plot(
                 angle, found[0].resisting, **style, linestyle=":", label=f"{case}: resisting x factors"
             )
-        upper.axhline(LIMIT, color="0.3", linewidth=1.6, linestyle=(0, (1, 1)), label=f"limit {LIMIT:g}")
+        limits = {LIMITS[m.rule] for *_, found in cases for m in found}
+        for limit in sorted(limits):
+            upper.axhline(limit, color="0.3", linewidth=1.6, linestyle=(0, (1, 1)), label=f"limit {limit:g}")
         worst = max(
-            [LIMIT, *(m.margin[m.worst] for *_, found in cases for m in found if m.margin[m.worst] < np.inf)]
+            [
+                *limits,
+                *(m.margin[m.worst] for *_, found in cases for m in found if m.margin[m.worst] < np.inf),
+            ]
         )
         upper.set_ylim(top=min(upper.get_ylim()[1], _SHOWN * worst))
         upper.set_ylim(bottom=min(0.0, upper.get_ylim()[0]))

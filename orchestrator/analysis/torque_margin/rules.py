@@ -1,8 +1,10 @@
-"""Torque margin by two rules: driving over factored resisting torques, and the form of ECSS-E-ST-33-01C.
+"""Torque margin by three rules: driving over factored resisting torques, ECSS-E-ST-33-01C and GEVS.
 
 Sum rule (Bagnoli 2007, equation 2.1): TM = sum D / sum k R >= 2, k the uncertainty factor of each resistance.
 ECSS rule (2009 edition, clause 4.7.5.3.1): 0.8 T >= T_min = 2 sum k R + 1.25 T_D + T_L for a spring actuator, so
 the margin that is held against the same limit is (0.8 T - 1.25 T_D - T_L) / sum k R.
+GEVS rule (GSFC-STD-7000, section 2.4.5.3): TM = T_avail / (FS_k sum T_known + FS_v sum T_variable) - 1 > 0, where
+T_D and T_L are known torques, and the factors follow from the phase of the program.
 """
 
 from __future__ import annotations
@@ -18,15 +20,16 @@ from components.contract.component import Vector
 from ...results.round_off import noise_floor
 from .standard import DEMANDS, DYNAMIC, SPRING_ACTUATOR
 
-Rule = Literal["sum", "ECSS"]
+Rule = Literal["sum", "ECSS", "GEVS"]
 
-RULES: Final[tuple[Rule, ...]] = ("sum", "ECSS")
 RULE_TEXTS: Final[Mapping[Rule, str]] = {
     "sum": "driving torque over the sum of the resisting torques times their uncertainty factors",
     "ECSS": "ECSS-E-ST-33-01C, 4.7.5.3: 0.8 of the driving torque less 1.25 TD and TL over the same sum",
+    "GEVS": "GSFC-STD-7000, 2.4.5.3: driving torque over known and variable torques times their factors, less 1",
 }
 """What each rule sets against the limit, for people."""
-LIMIT: Final = 2.0
+LIMITS: Final[Mapping[Rule, float]] = {"sum": 2.0, "ECSS": 2.0, "GEVS": 0.0}
+"""What a margin must reach; that of GEVS must exceed it."""
 _SAGGING = 1e-6
 
 
@@ -156,7 +159,8 @@ def _summed(torques: Sequence[Vector]) -> Vector:
 class Margins:
     """One rule over the travel of a line, shape (N,): what is available, what resists, what the rule requires.
 
-    available: N.m, after its factor and the demands T_D, T_L. resisting: N.m, with uncertainty factors.
+    available: N.m, after its factor and the demands T_D, T_L. resisting: N.m, with uncertainty factors; by GEVS with
+    these demands.
     required: torque that the spring must have, unfactored, N.m. margin: infinite where nothing but round-off of
     the driving torque resists, minus infinity if then the demands exceed what drives.
     """
@@ -175,24 +179,29 @@ class Margins:
     @property
     def passes(self) -> bool:
         """Whether the limit is kept over the whole travel, as far as held lines, which sag a little, can tell."""
-        return bool(self.margin[self.worst] >= LIMIT * (1.0 - _SAGGING))
+        margin, limit = self.margin[self.worst], LIMITS[self.rule]
+        return bool(margin >= limit * (1.0 - _SAGGING) and margin > 0.0)
 
 
 def margins(torques: Torques, rule: Rule, factors: Mapping[str, float]) -> Margins:
-    """Margins over the travel by one rule."""
+    """Margins over the travel by one rule, with its factors by ECSS symbol."""
     resisting = np.zeros(torques.angle.size)
     for symbol, torque in torques.resisting().items():
         resisting += factors[symbol] * torque
-    share, demand = 1.0, 0.0
+    share, demand, whole = 1.0, 0.0, 0.0
+    demands = {symbol: torques.extra.get(symbol, 0.0) for symbol in DEMANDS}
     if rule == "ECSS":
-        dynamic, output = (torques.extra.get(symbol, 0.0) for symbol in DEMANDS)
-        share, demand = SPRING_ACTUATOR, DYNAMIC * dynamic + output
+        share, demand = SPRING_ACTUATOR, DYNAMIC * demands["TD"] + demands["TL"]
+    elif rule == "GEVS":
+        resisting += sum(factors[symbol] * torque for symbol, torque in demands.items())
+        whole = 1.0
     available = share * torques.driving - demand
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = available / resisting
+        ratio = available / resisting - whole
     nothing_resists = np.where(available >= 0.0, np.inf, -np.inf)
     margin = np.where(resisting > noise_floor(torques.driving.tolist()), ratio, nothing_resists)
-    return Margins(rule, available, resisting, (LIMIT * resisting + demand) / share, margin)
+    required = ((LIMITS[rule] + whole) * resisting + demand) / share
+    return Margins(rule, available, resisting, required, margin)
 
 
 @dataclass(frozen=True, repr=False)
@@ -227,6 +236,7 @@ class Found:
                 "counts": self.counts,
                 "case": self.case,
                 "rule": found.rule,
+                "limit": LIMITS[found.rule],
                 "margin": margin if np.isfinite(margin) else None,
                 "angle": float(self.torques.angle[k]),
                 "motor_torque": float(self.torques.motor[k]),

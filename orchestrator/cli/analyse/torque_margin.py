@@ -69,13 +69,14 @@ def command(
     output: Folder | None = None,
     as_json: bool = False,
 ) -> None:
-    """Torque margin of every driven hinge line of SCENE over its travel, limit 2; bodies are rigid.
+    """Torque margin of every driven hinge line of SCENE over its travel; bodies are rigid.
 
     Lines that cable loops couple have one margin, with their torques at the rate of the first line.
 
-    Sum rule: driving torque over the sum of the resisting torques times their uncertainty factors. ECSS rule
-    (ECSS-E-ST-33-01C, 4.7.5.3): 0.8 of the driving torque less 1.25 TD and TL, over the same sum. Exit code 3 if a
-    margin fails or a restart does not open.
+    Sum rule, limit 2: driving torque over the sum of the resisting torques times their uncertainty factors. ECSS rule
+    (ECSS-E-ST-33-01C, 4.7.5.3), limit 2: 0.8 of the driving torque less 1.25 TD and TL, over the same sum. GEVS rule
+    (GSFC-STD-7000, 2.4.5.3), above 0: driving torque over the known torques I, S, TD, TL and the variable ones, each
+    times its factor, less 1. Exit code 3 if a margin fails or a restart does not open.
 
     Options
     -------

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from orchestrator.analysis.torque_margin.margins import find_margins, margin_cases, torque_margin
 from orchestrator.analysis.torque_margin.restart import restart, restart_share
 from orchestrator.analysis.torque_margin.rules import LineTorques, margins
-from orchestrator.analysis.torque_margin.standard import FACTORS
+from orchestrator.analysis.torque_margin.standard import FACTORS, GEVS_FACTORS
 from orchestrator.analysis.torque_margin.sweep import sweep
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, find_scene, load_scene
@@ -229,6 +229,23 @@ def test_every_term_of_the_ecss_form():
     # the margin is at its limit exactly where the spring has the torque required
     enough = LineTorques("line", 0.0 * one, found.required, -0.1 * one, -0.2 * one, extra)
     assert margins(enough, "ECSS", FACTORS["theoretical"]).margin[0] == pytest.approx(2.0, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("phase", "known", "variable"), [("preliminary", 2.0, 4.0), ("critical", 1.5, 3.0), ("test", 1.5, 2.0)]
+)
+def test_gevs_rule_is_that_of_the_standard(phase, known, variable):
+    """GSFC-STD-7000, 2.4.5.3: T_avail / (FS_k known + FS_v variable) - 1; inertia, spring and demands are known."""
+    extra = {"I": 0.01, "S": 0.02, "HM": 0.03, "HY": 0.05, "HD": 0.07, "TD": 0.08, "TL": 0.09}
+    one = np.ones(1)
+    torques = LineTorques("line", 0.0 * one, 4.0 * one, -0.1 * one, -0.2 * one, extra)
+    required = known * (0.01 + 0.02 + 0.08 + 0.09) + variable * (0.03 + 0.05 + 0.07 + 0.1 + 0.2)
+    found = margins(torques, "GEVS", GEVS_FACTORS[phase])
+    assert found.required[0] == pytest.approx(required, rel=1e-14)
+    assert found.margin[0] == pytest.approx(4.0 / required - 1.0, rel=1e-14)
+    assert found.passes
+    short = LineTorques("line", 0.0 * one, 0.999 * found.required, -0.1 * one, -0.2 * one, extra)
+    assert not margins(short, "GEVS", GEVS_FACTORS[phase]).passes
 
 
 def test_measured_factors_are_those_of_the_table():
@@ -451,6 +468,19 @@ def test_a_loop_of_lines_is_told_what_to_do(tmp_path):
         main, ["analyse", "equilibrium", str(path), "--sweep", "driven=60deg:110deg", "--steps", "2"]
     )
     assert swept.exit_code == 0, swept.output
+
+
+def test_command_adds_the_gevs_rule(tmp_path):
+    """Friction of 0.1 N.m is variable: 1.99 / (3 x 0.1) - 1 at the deployed angle, before the critical review."""
+    path, folder = one_line(tmp_path), tmp_path / "out"
+    result = fanfold(path, "--positions", 3, "--gevs", "critical", "--json", "--output", folder)
+    rows = {row["rule"]: row for row in json.loads(result.stdout)["margins"]}
+    assert rows["GEVS"]["margin"] == pytest.approx(1.99 / 0.3 - 1.0, rel=1e-6)
+    assert [rows[rule]["limit"] for rule in ("sum", "ECSS", "GEVS")] == [2.0, 2.0, 0.0]
+    assert result.exit_code == 0
+    assert "GEVS rule, above 0" in " ".join(
+        fanfold(path, "--positions", 3, "--gevs", "test", "--output", folder).stdout.split()
+    )
 
 
 def test_scene_without_a_motor_is_told(tmp_path):
