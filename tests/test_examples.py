@@ -109,6 +109,22 @@ def tape_spring_boom(found, folder):
     assert folder / "fmus" / "tape.fmu" in [folder / path for path in found["fmus"]]
 
 
+def tape_spring_wing(found, folder):
+    """Published steady moments while both lines open and after each snap; conservation; straight at the end."""
+    run = found["run"]
+    for name in ("inner", "outer"):
+        tape = {
+            key: run[f"{name}_tape", key][:] for key in ("tape_torque", "straight", "angular_rate", "angle")
+        }
+        folded = tape["straight"] < 0.5
+        torque = np.abs(tape["tape_torque"] + 2e-3 * tape["angular_rate"])[folded]
+        assert torque[5:] == pytest.approx(2 * 131e9 * 1e-12 / (12 * 0.91) * 1.5, rel=0.05)
+        assert tape["straight"][-1] == 1.0
+        assert np.abs(tape["angle"][-1]) < np.radians(6.0)
+    assert run.headline.energy_residual < 1e-4
+    assert run.headline.messages == ()
+
+
 def where_the_energy_goes(found, folder):
     """Conservation: heat is less than what was released, by what still moves; the damper takes most."""
     total = sum(found["heat"].values())

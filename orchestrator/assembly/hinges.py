@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from components.contract.frames import Vector3, rotate
+from components.tape_hinge import TapeHinge
 
 from ..scene.component_connections import WrenchMode
 from ..scene.connection_tables import Ccl, Damper
@@ -133,7 +134,9 @@ def assembly_lines(
                 latches=latch.kind != "none",
                 kinematic=latch.kind == "kinematic",
                 rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
-                deployed_angle=line.deployed_angle if line.is_open_ended else None,
+                deployed_angle=line.deployed_angle
+                if line.is_open_ended and not _is_taped(scene, line)
+                else None,
                 parts=(groups[line.inboard], groups[line.outboard]),
                 axis=rotate(scene.poses[line.inboard].orientation, line.axis),
                 bolted=line.name in bolted,
@@ -143,6 +146,12 @@ def assembly_lines(
             )
         )
     return tuple(found)
+
+
+def _is_taped(scene: PlacedScene, line: HingeLine) -> bool:
+    """Whether tape springs, which lock where they are straight, join the bodies of a line."""
+    tapes = (one for one in scene.connections if one.kind == TapeHinge.kind)
+    return any({seat.body for seat in one.ports.values()} == {line.inboard, line.outboard} for one in tapes)
 
 
 def _known(line: HingeLine) -> tuple[float, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from components.contract.component import Vector
 from components.end_stop import EndStop
 from components.numerics.laws import Linear
+from components.tape_hinge import TapeHinge
 
 from ..assembly.hinges import contradicted_curves
 from ..messages import coded, message
@@ -47,9 +48,8 @@ def line_warnings(scene: PlacedScene) -> Iterator[str]:
 
 def _unstopped(scene: PlacedScene) -> Iterator[str]:
     """Lines that a motor opens, without a latch or a stop, also none that is a connection between their bodies."""
-    stopped = [
-        {seat.body for seat in one.ports.values()} for one in scene.connections if one.kind == EndStop.kind
-    ]
+    ends_by = (EndStop.kind, TapeHinge.kind)
+    stopped = [{seat.body for seat in one.ports.values()} for one in scene.connections if one.kind in ends_by]
     for line in scene.hinge_lines:
         ends = line.latch is not None or line.end_stop is not None or line.held
         if line.motor is not None and not ends and {line.inboard, line.outboard} not in stopped:

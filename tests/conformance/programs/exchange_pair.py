@@ -64,6 +64,7 @@ SUBJECTS = {
     "rail": lambda: endpoint("rail"),
     "spring": lambda: endpoint("spring"),
     "suspension": lambda: endpoint("suspension"),
+    "tape_hinge": lambda: endpoint("tape_hinge"),
 }
 
 
