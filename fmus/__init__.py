@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from .description.choices import NATIVE_TOOL as NATIVE_TOOL
     from .description.choices import Backend as Backend
     from .description.choices import FmiVersion as FmiVersion
+    from .description.fmi2 import About as About
     from .description.fmi2 import Experiment as Experiment
     from .description.fmi2 import model_description as model_description
     from .description.fmi3 import model_description3 as model_description3

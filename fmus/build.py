@@ -23,8 +23,10 @@ from .archive import digest_of, zip_bytes
 from .compiled import NO_GUID, has_kernel, native_backend
 from .description.binaries import folder_here
 from .description.choices import Backend, FmiVersion
-from .description.fmi2 import DATE_FORMAT, Experiment, model_description
-from .description.fmi3 import model_description3, terminals
+from .description.documentation import documentation
+from .description.fmi2 import DATE_FORMAT, WITHOUT_WORDS, About, Experiment, model_description
+from .description.fmi3 import model_description3
+from .description.terminals import terminals_of, terminals_xml
 from .description.variables import StartValue, start_values
 from .native import CompileError, native_library
 from .native.binary_data import component_bytes
@@ -51,6 +53,7 @@ def build_fmu(
     experiment: Experiment | None = None,
     compressed: bool = True,
     platforms: Sequence[str] = (),
+    about: About | None = None,
 ) -> Path:
     """Write `name`.fmu into `directory` (made if missing) and return its path.
 
@@ -58,7 +61,8 @@ def build_fmu(
     native FMU where there is none, and FMI 3.0 or sources of a PythonFMU. Without a `backend` it is native where
     possible. `experiment` is what a tool runs by default. `with_sources` adds the C sources, for platforms that this
     one does not build for; no compiler is needed then. `platforms`, names of `native.platforms`: libraries of these
-    and of no other, in place of the one of here. Not `compressed`: for files that are soon gone.
+    and of no other, in place of the one of here. Not `compressed`: for files that are soon gone. `about`: what people
+    read of it, which adds a page of documentation and an icon.
     """
     starts = start_values(component, start or {})
     only_native = fmi == "3.0" or with_sources or bool(platforms)
@@ -78,13 +82,18 @@ def build_fmu(
         code, data = python_code(component, name), python_data(component, starts)
 
     def described() -> bytes:
+        said = about or WITHOUT_WORDS
         if fmi == "3.0":
-            return model_description3(component, name, starts, NO_GUID, _NO_TIME, experiment)
-        return model_description(component, name, starts, NO_GUID, _NO_TIME, backend, listed, experiment)
+            return model_description3(component, name, starts, NO_GUID, _NO_TIME, experiment, said)
+        return model_description(
+            component, name, starts, NO_GUID, _NO_TIME, backend, listed, experiment, said
+        )
 
-    asked = (type(component), name, fmi, backend, tuple(listed), experiment, starts, digest_of(data))
+    asked = (type(component), name, fmi, backend, tuple(listed), experiment, about, starts, digest_of(data))
     component.prepare(np.array(starts[: component.parameter_layout.size]))
     key = digest_of(code)
+    if about is not None:
+        data |= documentation(component, name, starts, about, fmi, experiment)
     files = _dated(key, {**data, "modelDescription.xml": _kept_description(asked, described)})
     target = Path(directory) / f"{name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -144,8 +153,8 @@ def _native_code(
         )
     files = {f"binaries/{path.replace('*', name)}": content for path, content in found.items()}
     files.update(sources)
-    if fmi == "3.0" and component.ports:
-        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(component)
+    if fmi == "3.0" and terminals_of(component):
+        files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals_xml(component)
     return files
 
 

@@ -48,7 +48,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .ports import Port, port_layout, slope_layout
+from .ports import Port, Terminal, port_layout, slope_layout
 from .quantity import ComponentError, Layout, Quantity, Vector
 
 __all__ = [
@@ -135,6 +135,8 @@ class Component(ABC):
     """Whether observations may follow inputs of the same instant, and not only those of steps before."""
     starts_from_inputs: bool = True
     """Whether the state at the start may follow inputs of that instant; that of a body follows its parameters."""
+    terminals: tuple[Terminal, ...] = ()
+    """Variables that belong together, in addition to those of each port."""
     returns_early: bool = False
     """Whether steps of a native FMU of FMI 3.0 may end at events inside of it, whatever its parameters."""
 

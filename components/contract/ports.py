@@ -26,6 +26,27 @@ class Port:
     order: Literal[2, 4] = 2
 
 
+class TerminalMember(NamedTuple):
+    """A variable of a terminal: its name there, its name in the component, and whether it flows ("inflow")."""
+
+    name: str
+    variable: str
+    kind: Literal["signal", "inflow", "outflow"] = "signal"
+
+
+class Terminal(NamedTuple):
+    """Variables that belong together, for tools that connect them at once.
+
+    rule: "plug" where all members are to be connected, "bus" where any may be.
+    """
+
+    name: str
+    kind: str
+    description: str
+    members: tuple[TerminalMember, ...]
+    rule: Literal["plug", "bus"] = "plug"
+
+
 class PortMotion(NamedTuple):
     """Motion of a port, world axes: m, unit quaternion, m/s, rad/s."""
 

@@ -30,7 +30,7 @@ LATCH_DISTANCE = Quantity(
     "latch_distance", "rad", "Latch angle minus hinge angle; falls through zero at latch-up"
 )
 """Output that a master watches for its zero: the event indicator of latch-up."""
-LATCHED = Quantity("latched", "1", "1 from latch-up on, until it is unlatched")
+LATCHED = Quantity("latched", "1", "1 from latch-up on, until it is unlatched", variability="discrete")
 """Output, beside the latch distance."""
 
 TIME_TO_BREAK = Quantity("time_to_break", "s", "Time to the next instant where a motion law changes its form")

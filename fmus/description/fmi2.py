@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import NamedTuple
 
-from lxml.etree import Element, SubElement, _Element, indent, tostring
+from lxml.etree import Element, SubElement, _Element
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from components import Component, ComponentError
@@ -16,6 +16,7 @@ from .choices import NATIVE_TOOL, Backend
 from .model_exchange import add_model_exchange, state_units
 from .units import add_units
 from .variables import Variable, follows_inputs, scalars, starts_from_inputs
+from .xml import xml_bytes
 
 _TOOLS: dict[Backend, str] = {"native": NATIVE_TOOL, "python": "Fanfold with PythonFMU"}
 _STATE_CAPABILITIES = {
@@ -48,6 +49,21 @@ class Experiment(NamedTuple):
         return {"startTime": "0", **{name: f"{v:.17g}" for name, v in given.items() if v is not None}}
 
 
+class About(NamedTuple):
+    """What people read of a model: a sentence, who made it, its version and licence, and a picture (PNG)."""
+
+    description: str = ""
+    author: str = ""
+    version: str = ""
+    license: str = ""
+    picture: bytes = b""
+
+    def attributes(self) -> dict[str, str]:
+        """Attributes of the root element of a model description."""
+        return {name: text for name, text in self._asdict().items() if isinstance(text, str) and text}
+
+
+WITHOUT_WORDS = About()
 STEP_DERIVATIVE = (
     "Right after a communication step the derivative is that of the outputs at the end of the step with respect "
     "to the inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, "
@@ -60,7 +76,9 @@ CONSTANT_MOBILITY = (
 )
 
 
-def header(component: Component, name: str, generated: datetime, backend: Backend) -> dict[str, str]:
+def header(
+    component: Component, name: str, generated: datetime, backend: Backend, about: About
+) -> dict[str, str]:
     """Attributes that the root element has in every version of FMI; ComponentError where the name is none."""
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
         raise ComponentError(f"the FMU name {name!r} must be an identifier: letters, digits and _")
@@ -71,14 +89,8 @@ def header(component: Component, name: str, generated: datetime, backend: Backen
         "generationTool": _TOOLS[backend],
         "generationDateAndTime": generated.strftime(DATE_FORMAT),
         "variableNamingConvention": "structured",
+        **about.attributes(),
     }
-
-
-def xml_bytes(root: _Element) -> bytes:
-    """An XML file with this root element."""
-    indent(root)
-    text: str = tostring(root, encoding="unicode")
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
 
 
 def model_description(
@@ -90,6 +102,7 @@ def model_description(
     backend: Backend = "python",
     source_files: Sequence[str] = (),
     experiment: Experiment | None = None,
+    about: About = WITHOUT_WORDS,
 ) -> bytes:
     """The complete modelDescription.xml of a component as the FMU `name`.
 
@@ -99,7 +112,7 @@ def model_description(
     variables = list(scalars(component))
     root = Element(
         "fmiModelDescription",
-        {"fmiVersion": "2.0", "guid": guid, **header(component, name, generated, backend)},
+        {"fmiVersion": "2.0", "guid": guid, **header(component, name, generated, backend, about)},
     )
     capabilities = {"modelIdentifier": name, **_CAPABILITIES[backend]}
     if backend == "native" and any(port.side == "body" and port.order == 4 for port in component.ports):

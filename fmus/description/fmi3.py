@@ -1,4 +1,4 @@
-"""From a component to the FMI 3.0 co-simulation model description and its terminals.
+"""From a component to the FMI 3.0 co-simulation model description.
 
 A quantity of several scalars is one array; its value reference is that of its first scalar, so that the native
 core finds all values of an array in a row. Time has the reference after all others.
@@ -11,11 +11,12 @@ from datetime import datetime
 
 from lxml.etree import Element, SubElement, _Element
 
-from components import Component, Port, port_layout
+from components import Component
 
-from .fmi2 import STEP_DERIVATIVE, Experiment, header, xml_bytes
+from .fmi2 import STEP_DERIVATIVE, WITHOUT_WORDS, About, Experiment, header
 from .units import add_units
 from .variables import Variable, follows_inputs, quantities, starts_from_inputs
+from .xml import VENDOR, xml_bytes
 
 _CAPABILITIES = {
     "canHandleVariableCommunicationStepSize": "true",
@@ -30,9 +31,6 @@ _LOG_CATEGORIES = {
     "logStatusFatal": "Messages with the status fmi3Fatal",
     "logAll": "All messages",
 }
-_VENDOR = "org.fanfold"
-_FLOWS = {"body": "inflow", "connection": "outflow"}
-"""What force and torque of a terminal are: they flow from the connection into the body."""
 
 
 def model_description3(
@@ -42,6 +40,7 @@ def model_description3(
     token: str,
     generated: datetime,
     experiment: Experiment | None = None,
+    about: About = WITHOUT_WORDS,
 ) -> bytes:
     """The complete modelDescription.xml of a component as the native FMU `name` of FMI 3.0.
 
@@ -49,7 +48,7 @@ def model_description3(
     instantiation token.
     """
     variables = list(quantities(component))
-    attributes = header(component, name, generated, "native")
+    attributes = header(component, name, generated, "native", about)
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **attributes})
     events = _event_capabilities(component, variables)
     capabilities = {"modelIdentifier": name, **_CAPABILITIES, **events}
@@ -62,7 +61,7 @@ def model_description3(
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
     annotation = SubElement(
-        SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
+        SubElement(root, "Annotations"), "Annotation", {"type": f"{VENDOR}.step-derivative"}
     )
     # some readers refuse bare text
     SubElement(annotation, "StepDerivative", {"description": STEP_DERIVATIVE})
@@ -114,35 +113,3 @@ def _add_structure(root: _Element, component: Component, variables: Sequence[Var
 
 def _references(variables: Iterable[Variable]) -> str:
     return " ".join(str(variable.value_reference) for variable in variables)
-
-
-def terminals(component: Component) -> bytes:
-    """terminalsAndIcons.xml: every port as a terminal.
-
-    Members have the same names on both sides of a joint, and all of them are to be connected ("plug").
-    """
-    root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
-    parent = SubElement(root, "Terminals")
-    for port in component.ports:
-        _add_terminal(parent, port)
-    return xml_bytes(root)
-
-
-def _add_terminal(parent: _Element, port: Port) -> None:
-    terminal = SubElement(
-        parent,
-        "Terminal",
-        {
-            "name": port.name,
-            "matchingRule": "plug",
-            "terminalKind": f"{_VENDOR}.mechanical-port",
-            "description": f"Mechanical port {port.name}, side of a {port.side}",
-        },
-    )
-    inputs, outputs = port_layout(port)
-    motion, wrench = (outputs, inputs) if port.side == "body" else (inputs, outputs)
-    for members, kind in ((motion, "signal"), (wrench, _FLOWS[port.side])):
-        for quantity in members:
-            member = quantity.name.removeprefix(f"{port.name}.")
-            attributes = {"variableName": quantity.name, "memberName": member, "variableKind": kind}
-            SubElement(terminal, "TerminalMemberVariable", attributes)

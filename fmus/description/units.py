@@ -32,6 +32,8 @@ _SYMBOLS: dict[str, tuple[dict[str, int], float]] = {
     "min": ({"s": 1}, 60.0),
     "h": ({"s": 1}, 3600.0),
 }
+DISPLAYED = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
+"""Units that people read in others."""
 _FACTOR = re.compile(r"([A-Za-z]+|1)(-?\d+)?")
 _ROOT = re.compile(r"\(\d+/\d+\)(?=[./]|$)")
 
@@ -49,6 +51,9 @@ def add_units(root: _Element, units: Iterable[str]) -> None:
         if factor != 1.0:
             attributes["factor"] = repr(factor)
         SubElement(element, "BaseUnit", attributes)
+        if unit in DISPLAYED:
+            name, displayed = DISPLAYED[unit], 1.0 / base_unit("deg")[1]
+            SubElement(element, "DisplayUnit", {"name": name, "factor": repr(displayed)})
 
 
 def has_root(unit: str) -> bool:

@@ -17,6 +17,8 @@ import numpy as np
 from components import Component, ComponentError, Quantity
 from components.contract.errors import nearest
 
+from .units import DISPLAYED
+
 StartValue = float | Sequence[float]
 Causality = Literal["parameter", "input", "output"]
 
@@ -57,7 +59,9 @@ class Variable:
         """The same of its unit and range."""
         bounds = {"min": self.quantity.minimum, "max": self.quantity.maximum}
         given = {name: repr(float(bound)) for name, bound in bounds.items() if bound is not None}
-        return {"unit": self.quantity.unit, **given}
+        unit = self.quantity.unit
+        shown = {"displayUnit": DISPLAYED[unit]} if unit in DISPLAYED else {}
+        return {"unit": unit, **shown, **given}
 
 
 def quantities(component: Component) -> Iterator[Variable]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from lxml.etree import Element, SubElement
 
 from ..description.choices import FmiVersion
-from ..description.fmi2 import xml_bytes
+from ..description.xml import xml_bytes
 from . import sources
 
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, get_args
 
-from fmus import PLATFORMS, Backend, Experiment, FmiVersion
+from fmus import PLATFORMS, About, Backend, Experiment, FmiVersion
 
+from ..analysis.scene_check import check_scene
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..assembly.statics.start import started_at_rest
@@ -110,18 +111,33 @@ def export(
         return assemble(checked, listed(rigid), listed(flexible), mode, listed(large_deformation))
 
     assembly = assembled("mean" if as_one else wrench_mode)
+    header = checked.header
+    about = About("", header.author, header.version, header.license)
     _tell_of_absent(checked, with_events=as_one)
     if as_one:
         if driven_base:
             _tell_of_locks(assembly)
         experiment = Experiment(assembly.until, assembly.largest_step, assembly.tolerance)
-        paths = [export_as_one(assembly, Path(folder), experiment, driven_base, fmi, sources, wanted, watch)]
+        from ..views.scene_check import picture_of  # draws, which other exports need not
+
+        found = check_scene(checked, listed(rigid), listed(flexible), listed(large_deformation))
+        about = about._replace(description=header.description, picture=picture_of(found))
+        where, form = Path(folder), (driven_base, fmi, sources, wanted)
+        paths = [export_as_one(assembly, where, experiment, *form, watch, about)]
     else:
         assembly = started_at_rest(assembly)
         step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
         experiment = Experiment(assembly.until, step)
         paths = run.export(
-            assembly, Path(folder), backend, fmi, sources, experiment, platforms=wanted, watch=watch
+            assembly,
+            Path(folder),
+            backend,
+            fmi,
+            sources,
+            experiment,
+            platforms=wanted,
+            watch=watch,
+            about=about,
         )
     return paths if ssp is None else [*paths, _as_ssp(Path(ssp), assembly, paths, experiment)]
 

@@ -48,7 +48,7 @@ from .errors import RunError as RunError
 from .free_space import FreeSpace
 
 if TYPE_CHECKING:
-    from fmus import Backend, Experiment, FmiVersion
+    from fmus import About, Backend, Experiment, FmiVersion
 
     from ..cosim.signals.process import SignalProcess
 
@@ -109,6 +109,7 @@ def export(
     compressed: bool = True,
     platforms: Sequence[str] = (),
     watch: Callable[[str], object] = lambda name: None,
+    about: About | None = None,
 ) -> list[Path]:
     """Write every part of an assembly as an FMU into a directory (made if missing); native where possible.
 
@@ -137,6 +138,7 @@ def export(
                     experiment,
                     compressed,
                     platforms,
+                    about,
                 )
             )
     return paths

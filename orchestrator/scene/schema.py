@@ -30,6 +30,12 @@ class Header(Table):
     """Name of the scene, which names its result too."""
     description: str = ""
     """One line of description, printed by `fanfold list`."""
+    author: str = ""
+    """Who made the scene, for exported FMUs."""
+    version: str = ""
+    """Version of the scene, for exported FMUs."""
+    license: str = ""
+    """Licence or distribution statement of the scene, for exported FMUs."""
     until: Duration
     """Time at which a run ends."""
     tolerance: Annotated[PositiveRatio, Field(ge=TOLERANCES[0], le=TOLERANCES[1])] = 1e-4

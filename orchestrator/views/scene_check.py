@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from io import BytesIO
 from itertools import cycle
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -35,6 +37,13 @@ def plot_scene(found: SceneCheck, folder: Path) -> list[Path]:
     path = folder / "scene.png"
     save_figure(draw_scene(found), path)
     return [path]
+
+
+def picture_of(found: SceneCheck) -> bytes:
+    """The picture as the content of a PNG file."""
+    stream = BytesIO()
+    FigureCanvasAgg(draw_scene(found)).print_png(stream)  # type: ignore[no-untyped-call]
+    return stream.getvalue()
 
 
 def draw_scene(found: SceneCheck) -> Figure:

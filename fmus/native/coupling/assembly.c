@@ -18,7 +18,7 @@
 #define MOST_STEPS_INSIDE 1e6 /* of a communication step: from seconds to minutes */
 
 /* The outputs, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, rates at latch-up,
-   whether latched, and peaks. */
+   whether latched, then angles of all lines, and peaks. */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 enum { OF_LINE = 3 }; /* outputs of each */
 
@@ -388,7 +388,7 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     a->parameter_count = a->first_parameter[a->participants];
     a->input_count = a->first_input[a->participants];
     const size_t own = a->driven.is_there ? 2 : 1;
-    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + OF_LINE * s->coupling.lines + a->peak_count)
+    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + OF_LINE * s->coupling.lines + a->angles + a->peak_count)
         return refuse(why, "the assembly declares %lu parameters, its components and its master have %lu",
                       (unsigned long)sizes->parameters, (unsigned long)(a->parameter_count + own));
     a->standing_size = arrange_standing(a, NULL);
@@ -789,6 +789,10 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
         *y++ = has_latched ? latch_time : -1.0;
         *y++ = has_latched ? standing[s->latch_rate + k - a->standing] : 0.0;
         *y++ = has_latched && !(unlatch_time >= latch_time && has_happened(x, unlatch_time));
+    }
+    for (size_t k = 0; k < a->angles; k++, y++) {
+        *y = 0.0;
+        for (size_t i = 0; i < count; i++) *y += weights[i] * first[i * a->row_size + 2 + a->angle[k]];
     }
     /* the value at the communication point itself lies between two rows */
     for (size_t i = 0; i < a->peak_count; i++)

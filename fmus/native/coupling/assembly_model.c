@@ -204,12 +204,14 @@ static int create_peaks(Assembly *a, const Data *data, const Sizes *sizes, Memor
     return 1;
 }
 
-/* Read which recorded values are flags, and the size of a row. */
+/* Read which recorded values are flags, which are angles of lines, and the size of a row. */
 static int create_rows(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     const Rows *r = &a->sequence.coupling.rows;
     a->flag = whole_numbers(data, "flags", &a->flags, memory, why);
-    if (!a->flag) return 0;
-    if (r->columns != sizes->observations || r->signals || !are_below(a->flag, a->flags, 1, r->columns))
+    a->angle = a->flag ? whole_numbers(data, "angles", &a->angles, memory, why) : NULL;
+    if (!a->angle) return 0;
+    if (r->columns != sizes->observations || r->signals || !are_below(a->flag, a->flags, 1, r->columns) ||
+        !are_below(a->angle, a->angles, 1, r->columns))
         return refuse(why, "the assembly records what it has not");
     a->row_size = 2 + r->columns + CHANNELS;
     return 1;

@@ -54,12 +54,12 @@ typedef struct {
     size_t *first_parameter, *first_input, *latching; /* room for lines that commands latch */
     Command *command;
     Peak *peak;
-    const size_t *flag; /* (flags,) places of observations that are 0 or 1 */
+    const size_t *flag, *angle; /* (flags,) places of observations that are 0 or 1, (angles,) that are angles of lines */
     DrivenFrame driven;
     NotedSteps noted;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
     const double *rest_states, *rest_inputs, *rest_wrenches;
-    size_t participants, flags, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size,
+    size_t participants, flags, angles, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size,
         parameter_count, input_count;
     size_t rows, snapshots, newest, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step, longest_step;

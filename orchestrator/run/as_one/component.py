@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from components import REGISTRY, Component, ComponentError, Layout, Quantity
+from components.contract.ports import Terminal, TerminalMember
 from components.contract.quantity import Vector
 from components.contract.roles import (
     FAILURE_COMMAND,
     INTERFACE_LOAD,
     LATCH_COMMAND,
+    LATCHED,
     LOAD,
     RELEASE_COMMAND,
     UNLATCH_COMMAND,
@@ -42,8 +44,15 @@ _TOLD = (
     ),
     Quantity("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
     Quantity("energy_residual", "J", "Stored and lost less supplied energy, minus their value at the start"),
-    Quantity("steps", "1", "Steps that the master has made, some of them ahead of the communication point"),
-    Quantity("rejected_steps", "1", "Steps that it has made again with a smaller size"),
+    Quantity(
+        "steps",
+        "1",
+        "Steps that the master has made, some of them ahead of the communication point",
+        variability="discrete",
+    ),
+    Quantity(
+        "rejected_steps", "1", "Steps that it has made again with a smaller size", variability="discrete"
+    ),
 )
 """Outputs that come first, in the order of native/coupling/assembly.c."""
 _DRIVES = (
@@ -73,7 +82,8 @@ _MEETS_RATES = Quantity(
 )
 """Of a driven base, the last parameter but one."""
 _INITIAL = "initial_"
-_ORDER, _LATCH_TORQUE = "order", "latch_torque"
+_ORDER, _LATCH_TORQUE, _ANGLE = "order", "latch_torque", "angle"
+_FLOWS = ("interface_force", "interface_torque")
 
 
 class AssembledScene(Component, registered=False):
@@ -125,6 +135,7 @@ class AssembledScene(Component, registered=False):
                 [peak for peak, _ in peaks],
                 list(_flags(observed)),
             ),
+            "angles": list(_angles(self._names, observed, assembly.hinge_lines)),
             **rest(assembly, settings, network.order),
         }
         self._declare(
@@ -139,10 +150,13 @@ class AssembledScene(Component, registered=False):
             outputs=(
                 *_TOLD,
                 *(q for line in lines for q in _told_of(line)),
+                *(_angle_of(line) for line in assembly.hinge_lines),
                 *(quantity for _, quantity in peaks),
             ),
             observations=_of_parts(self._names, observed),
         )
+        known = [*self.output_layout.quantities, *self.observation_layout.quantities]
+        self.terminals = tuple(_terminals(assembly, self.input_layout.quantities, known))
 
     def _as_here(self, parameters: Iterable[Quantity]) -> Iterator[Quantity]:
         """What is the master's stays: a component of another order or scheme would not fit; and where all starts."""
@@ -222,6 +236,13 @@ def _flags(layouts: Iterable[Layout]) -> Iterator[int]:
         first += layout.size
 
 
+def _angles(names: Sequence[str], layouts: Sequence[Layout], lines: Sequence[HingeLine]) -> Iterator[int]:
+    """Places of the angles of lines among the observations of all components."""
+    firsts = dict(zip(names, np.cumsum([0, *(layout.size for layout in layouts)]).tolist(), strict=False))
+    of_names = dict(zip(names, layouts, strict=True))
+    return (firsts[line.sensor] + of_names[line.sensor][_ANGLE].start for line in lines)
+
+
 def _latch_commands(lines: Sequence[HingeLine]) -> Iterator[tuple[Command, Quantity]]:
     for number, line in enumerate(lines):
         for command, unlatches, text in (
@@ -267,11 +288,46 @@ def _told_of(line: HingeLine) -> Iterator[Quantity]:
         "s",
         f"{line.name}: time of latch-up since the start time; -1 before",
         start=-1.0,
+        variability="discrete",
     )
     yield Quantity(
-        f"{line.name}.latch_rate", "rad/s", f"{line.name}: size of its rate just before latch-up; 0 before"
+        f"{line.name}.latch_rate",
+        "rad/s",
+        f"{line.name}: size of its rate just before latch-up; 0 before",
+        variability="discrete",
     )
-    yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on, until it is unlatched")
+    yield LATCHED.called(f"{line.name}.{LATCHED.name}").saying(f"{line.name}: {LATCHED.description}")
+
+
+def _angle_of(line: HingeLine) -> Quantity:
+    return Quantity(f"{line.name}.{_ANGLE}", "rad", f"{line.name}: angle of its sensor, {line.sensor}")
+
+
+def _terminals(
+    assembly: Assembly, inputs: Sequence[Quantity], known: Sequence[Quantity]
+) -> Iterator[Terminal]:
+    """The base that a host drives, with its loads, and every hinge line."""
+    driving = [quantity.name for quantity in inputs]
+    others = [quantity.name for quantity in known]
+    for base in (part.name for part in assembly.parts if part.kind == DRIVEN):
+        loads = [
+            name for name in others if name.startswith(f"{base}.interface_") and not name.endswith("_peak")
+        ]
+        members = (
+            *(_member(base, name, "signal") for name in driving if name.startswith(f"{base}.")),
+            *(_member(base, name, "outflow" if name.endswith(_FLOWS) else "signal") for name in loads),
+        )
+        yield Terminal(
+            base, "driven-base", f"Motion of the base {base}, and loads of the wing on it", members, "bus"
+        )
+    for line in assembly.hinge_lines:
+        found = [name for name in (*driving, *others) if name.startswith(f"{line.name}.")]
+        members = tuple(_member(line.name, name, "signal") for name in found)
+        yield Terminal(line.name, "hinge-line", f"Hinge line {line.name}", members, "bus")
+
+
+def _member(owner: str, name: str, kind: Literal["signal", "outflow"]) -> TerminalMember:
+    return TerminalMember(name.removeprefix(f"{owner}."), name, kind)
 
 
 def _peaks(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from components import ComponentError
-from fmus import CompileError, Experiment, FmiVersion, build_fmu, cross_compiled
+from fmus import About, CompileError, Experiment, FmiVersion, build_fmu, cross_compiled
 
 from ...assembly import Assembly
 from ...cosim.coupling import StepError
@@ -29,6 +29,7 @@ def export_as_one(
     with_sources: bool = False,
     platforms: Sequence[str] = (),
     watch: Callable[[str], object] = lambda name: None,
+    about: About | None = None,
 ) -> Path:
     """Write a scene with mean wrenches as one native FMU into a folder; return its path.
 
@@ -54,6 +55,7 @@ def export_as_one(
             with_sources,
             experiment,
             platforms=platforms,
+            about=about,
         )
     except SceneError as error:
         raise RunError(str(error)) from None
