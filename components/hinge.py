@@ -86,7 +86,8 @@ class Hinge(Connection[Parameters, State, Commands]):
     motor_torque: the same of the motor, in place of its spring. hysteresis_angle, hysteresis_torque: half of what the
     torques of motor and harness differ by between opening and closing, a friction that latches leave as it is. latch:
     "none", "spring" (linear, zero at the angle where it engages), "table" (latch_torque, resisting, over
-    latch_deflection from that angle) or "kinematic" (an impulse that removes the relative rate, then a
+    latch_deflection from that angle, with lines between the points where latch_straight; between points without torque
+    the latch has play, and no damping) or "kinematic" (an impulse that removes the relative rate, then a
     lock). wrench_mode: "mean" or "endpoint"; in endpoint mode a kinematic latch acts as a spring latch,
     because an explicit host cannot solve for a lock.
 
@@ -114,6 +115,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         latch: LatchKind = "none",
         latch_deflection: Sequence[float] = (),
         latch_torque: Sequence[float] = (),
+        latch_straight: bool = False,
         wrench_mode: Literal["mean", "endpoint"] = "mean",
     ) -> None:
         if latch not in _LATCH_KINDS:
@@ -130,7 +132,11 @@ class Hinge(Connection[Parameters, State, Commands]):
             )
             if len(angle) or len(torque)
         }
-        self._latch_table = Table(latch_deflection, [-t for t in latch_torque]) if latch == "table" else None
+        self._latch_table = None
+        if latch == "table":
+            self._latch_table = Table(latch_deflection, [-t for t in latch_torque], straight=latch_straight)
+        loose = [s for s, torque in zip(latch_deflection, latch_torque, strict=False) if torque == 0.0]
+        self._play = (min(loose), max(loose)) if loose else (0.0, 0.0)
         self.latch = latch
         self.indicator_count = int(latch != "none")
         structure = {
@@ -144,6 +150,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             "latch": latch,
             "latch_deflection": tuple(latch_deflection),
             "latch_torque": tuple(latch_torque),
+            "latch_straight": latch_straight,
         }
         self.observations = Record(Observations if wrench_mode == "endpoint" else MeanObservations)
         super().__init__(structure, wrench_mode)
@@ -166,6 +173,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             latches=self.latch != "none",
             locks=self._locks,
             latch=self._latch_table or Linear(stiffness),
+            play=self._play,
             latch_stiffness=stiffness,
             latch_damping=damping,
             paired=self._is_paired(one.order),
@@ -411,6 +419,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             **super().native_data(),
             "axis_frame": self._axis_frame,
             "latch_kind": _LATCH_KINDS.index(self.latch),
+            "latch_play": self._play,
             **{f"has_{name}": name in self._tables for name in ("motor", "harness", "hysteresis")},
             **{k: v for name, table in self._tables.items() for k, v in table.native_data(name).items()},
             **(self._latch_table.native_data("latch") if self._latch_table else {}),

@@ -6,7 +6,7 @@ from math import sqrt
 
 from ..contract.frames import Quaternion, Vector3, rotate
 from ..numerics.fourth_order_correction import stiff_load, workless_law
-from ..numerics.laws import Law, mean_force
+from ..numerics.laws import Law, mean_force, share_beyond
 from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import conjugate_torque
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion, damped_load
@@ -68,10 +68,17 @@ def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
     if not old.latched or not c.latches:
         return MeanLoad(0.0, 0.0, 0.0)
     deflection = shifted(motion, old.latched_angle)
+    damping = c.latch_damping * share_beyond(c.play, deflection.start, deflection.end)
     if c.paired:
-        return workless_law(c.latch, c.latch_damping, deflection, motion.memory.roughness)
+        return workless_law(c.latch, damping, deflection, motion.memory.roughness)
     elastic = mean_force(c.latch, deflection.start, deflection.end)
-    return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection)
+    return damped_load(elastic, c.latch_stiffness, damping, deflection)
+
+
+def _latch_damping(c: Constants, s: State) -> float:
+    """Damping of the latch at an instant: none within its play."""
+    deflection = s.angle - s.latched_angle
+    return c.latch_damping * share_beyond(c.play, deflection, deflection)
 
 
 def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
@@ -107,7 +114,7 @@ def held_at(c: Constants, s: State) -> Held:
     q[3] -= c.p.aligned_angle
     latch = 0.0
     if s.latched and c.latches:
-        latch = c.latch.value(s.angle - s.latched_angle) + -c.latch_damping * w[3]
+        latch = c.latch.value(s.angle - s.latched_angle) + -_latch_damping(c, s) * w[3]
     return Held(tuple(-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)), latch)
 
 
@@ -142,7 +149,7 @@ def instant_loads(c: Constants, s: State, held: Held) -> Loads:
     q, w, rate = s.coordinates, s.rates, s.rates[3]
     force = (load[0], load[1], load[2])
     friction = instant_friction(c, s, force, (load[4], load[5]))
-    viscous = -c.latch_damping * rate if s.latched and c.latches else 0.0
+    viscous = -_latch_damping(c, s) * rate if s.latched and c.latches else 0.0
     twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction.force + latch
     if s.holding:
         twist -= c.p.hold_stiffness * (s.angle - s.hold_angle)

@@ -15,7 +15,8 @@ from .variables import Parameters, Six, State
 class Constants(NamedTuple):
     """Parameters, laws, and what follows from the structure.
 
-    stiffness, damping: of the six coordinates in order. latch_stiffness, latch_damping: those of a lock where the latch
+    stiffness, damping: of the six coordinates in order. play: deflections (rad) of the latch between which it has no
+    torque. latch_stiffness, latch_damping: those of a lock where the latch
     is one. paired: whether loads are of order 4.
     """
 
@@ -28,6 +29,7 @@ class Constants(NamedTuple):
     latches: bool
     locks: bool
     latch: Law
+    play: tuple[float, float]
     latch_stiffness: float
     latch_damping: float
     paired: bool

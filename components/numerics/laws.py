@@ -126,19 +126,24 @@ class SlackSpring:
 class Table:
     """Force given at points; monotone cubic between them, straight with the end slope beyond.
 
-    Two points make a straight line. Piecewise cubic Hermite interpolation does not overshoot the data.
+    Two points make a straight line. Piecewise cubic Hermite interpolation does not overshoot the data. straight: lines
+    lie between the points.
     """
 
     __slots__ = ("_breaks", "_force", "_potential")
 
-    def __init__(self, coordinates: Sequence[float], forces: Sequence[float]) -> None:
+    def __init__(
+        self, coordinates: Sequence[float], forces: Sequence[float], *, straight: bool = False
+    ) -> None:
         s = np.asarray(coordinates, dtype=float)
         f = np.asarray(forces, dtype=float)
         if s.ndim != 1 or s.size < 2 or s.shape != f.shape:
             raise ComponentError("a table needs at least two points and as many values as coordinates")
         if not np.all(np.diff(s) > 0.0):
             raise ComponentError(f"the coordinates of a table must increase; they are {s.tolist()}")
-        own, span = monotone_cubics(s, f), float(s[-1] - s[0])
+        span = float(s[-1] - s[0])
+        chords, none = np.diff(f) / np.diff(s), np.zeros(s.size - 1)
+        own = np.array((none, none, chords, f[:-1])) if straight else monotone_cubics(s, f)
         width = float(s[-1] - s[-2])
         first, last = own[2, 0], (3.0 * own[0, -1] * width + 2.0 * own[1, -1]) * width + own[2, -1]
         below, above = (0.0, 0.0, first, f[0] - first * span), (0.0, 0.0, last, f[-1])
@@ -186,6 +191,16 @@ class Table:
             t1 = t0
         a, b, c, _ = self._force[i]
         return -(a * (t0 * t0 + t0 * t1 + t1 * t1) + b * (t0 + t1) + c)
+
+
+def share_beyond(play: tuple[float, float], s0: float, s1: float) -> float:
+    """Share of the way between two coordinates that lies outside of a play; all of it where there is none."""
+    low, high = play
+    if low == high:
+        return 1.0
+    if abs(s1 - s0) > LEAST_CHANGE:
+        return 1.0 - (min(max(s1, low), high) - min(max(s0, low), high)) / (s1 - s0)
+    return 0.0 if low < 0.5 * (s0 + s1) < high else 1.0
 
 
 def cubic_step(s: float) -> float:

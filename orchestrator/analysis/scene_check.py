@@ -287,12 +287,14 @@ def _triple(v: NDArray[np.float64]) -> Vector3:
 def _line(scene: PlacedScene, line: HingeLine, flexible: Mapping[str, bool]) -> LineOverview:
     setting = line_latch(scene, line, flexible, "mean")
     inertia = None if line.latch is None else line.latch.effective_inertia or scene.effective_inertia(line)
-    stiff = f", {setting.stiffness:.5g} N.m/rad" if setting.kind == "spring" else ""
+    is_spring = setting.kind == "spring" or setting.straight
+    stiff = f", {setting.stiffness:.5g} N.m/rad" if is_spring else ""
+    kind = "spring with play" if setting.straight else setting.kind
     return LineOverview(
         line.name, line.inboard, line.outboard, tuple(hinge.name for hinge in line.hinges), line.held,
         line.initial_angle, line.deployed_angle,
         _motor_torques(line),
-        line.motor_energy, line.friction_preload, line.presliding is not None, f"{setting.kind}{stiff}", inertia,
+        line.motor_energy, line.friction_preload, line.presliding is not None, f"{kind}{stiff}", inertia,
         line.stop_angle,
     )  # fmt: skip
 

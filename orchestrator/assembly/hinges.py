@@ -30,7 +30,8 @@ _FAR_OFF = 3.0
 class LatchSetting(NamedTuple):
     """How a line latches: kind, totals of a spring's stiffness (N.m/rad) and damping (N.m.s/rad), measured curve.
 
-    inertia: effective one of the line (kg.m2), where it has a latch.
+    inertia: effective one of the line (kg.m2), where it has a latch. straight: whether the curve is that of a spring
+    with play.
     """
 
     kind: Literal["none", "spring", "table", "kinematic"]
@@ -38,6 +39,7 @@ class LatchSetting(NamedTuple):
     damping: float
     measured: MeasuredLatch | None = None
     inertia: float | None = None
+    straight: bool = False
 
 
 def line_latch(
@@ -48,8 +50,9 @@ def line_latch(
     The spring has the compliance that the bodies' models lack, by equation 2.7; where they lack none the latch is
     kinematic, and where they lack just that of the hinges it follows their measured torque, if there is one.
     The spacecraft, rigid at every fidelity, lacks no compliance but what is stated of it. Explicit hosts cannot lock:
-    there a kinematic latch is a spring of the whole line. Structural damping takes the place of the latch's own; that
-    of a measured curve is constant, by the stiffness that the bodies' models lack.
+    there a kinematic latch is a spring of the whole line, and so is everywhere a latch with play that would lock.
+    Structural damping takes the place of the latch's own; that of a measured curve is constant, by the stiffness that
+    the bodies' models lack.
     """
     latch = line.latch
     if latch is None:
@@ -67,7 +70,8 @@ def line_latch(
     locks = latch.kind == "kinematic" or (
         latch.kind == "by_fidelity" and missing * latch.stiffness < _NEGLIGIBLE
     )
-    if locks and mode == "mean":
+    low, high = latch.loose
+    if locks and mode == "mean" and low == high:
         return LatchSetting("kinematic", 0.0, 0.0, inertia=inertia)
     stiffness = latch.stiffness if locks or latch.kind == "spring" else 1.0 / missing
     structural = scene.structural_damping
@@ -76,7 +80,12 @@ def line_latch(
     only_hinges = latch.kind == "by_fidelity" and all(has_it for _, has_it in sides)
     if latch.measured is not None and only_hinges:
         return LatchSetting("table", stiffness, damping, latch.measured, inertia)
-    return LatchSetting("spring", stiffness, damping, inertia=inertia)
+    if low == high:
+        return LatchSetting("spring", stiffness, damping, inertia=inertia)
+    curve = MeasuredLatch(
+        deflection=(low - 1.0, low, high, high + 1.0), torque=(-stiffness, 0.0, 0.0, stiffness)
+    )
+    return LatchSetting("table", stiffness, damping, curve, inertia, straight=True)
 
 
 def unfollowed_curves(scene: PlacedScene, flexible: Collection[str]) -> Iterator[str]:
@@ -86,11 +95,11 @@ def unfollowed_curves(scene: PlacedScene, flexible: Collection[str]) -> Iterator
         if line.latch is None or line.latch.measured is None:
             continue
         setting = line_latch(scene, line, bodies, "mean")
-        if setting.kind != "table":
+        if setting.kind != "table" or setting.straight:
             place = (
                 "it locks"
                 if setting.kind == "kinematic"
-                else f"a spring of {setting.stiffness:.4g} N.m/rad acts"
+                else f"a spring of {setting.stiffness:.4g} N.m/rad acts{' beyond the play' * setting.straight}"
             )
             yield (
                 f"hinge_line.{line.name}.latch.measured: the curve is not used, because {line.inboard} or "
@@ -108,6 +117,7 @@ def contradicted_curves(scene: PlacedScene) -> Iterator[str]:
         sides = [side for side in (latch.inboard_stiffness, latch.outboard_stiffness) if side is not None]
         missing = 1.0 / latch.stiffness - sum(1.0 / side for side in sides)
         slopes = np.diff(latch.measured.torque) / np.diff(latch.measured.deflection)
+        slopes = slopes[slopes > 0.0]
         if missing * latch.stiffness < _NEGLIGIBLE:
             continue
         if not slopes.min() / _FAR_OFF < 1.0 / missing < _FAR_OFF * slopes.max():
@@ -197,11 +207,12 @@ def hinge_parts(
     )
 
 
-def _measured(latch: LatchSetting, share: float) -> dict[str, tuple[float, ...]]:
+def _measured(latch: LatchSetting, share: float) -> dict[str, tuple[float, ...] | bool]:
     if latch.measured is None:
         return {}
     torque = tuple(share * value for value in latch.measured.torque)
-    return {"latch_deflection": latch.measured.deflection, "latch_torque": torque}
+    found = {"latch_deflection": latch.measured.deflection, "latch_torque": torque}
+    return found | ({"latch_straight": True} if latch.straight else {})
 
 
 def _motor(line: HingeLine, share: float) -> dict[str, float]:

@@ -241,23 +241,32 @@ def _check_loop(
 
 
 class MeasuredLatch(Table):
-    """Measured torque of a latched line over its deflection, both increasing through zero."""
+    """Measured torque of a latched line over its deflection, both increasing through zero.
+
+    Points without torque make a play, within which the latch is loose.
+    """
 
     deflection: tuple[Angle, ...]
     """Deflections of the latched line, increasing through zero."""
     torque: tuple[Torque, ...]
-    """Torques at these deflections, increasing through zero."""
+    """Torques at these deflections, increasing through zero; several may be 0."""
+
+    @property
+    def play(self) -> tuple[float, float]:
+        """First and last deflection without torque; both 0 without any."""
+        loose = [angle for angle, torque in zip(self.deflection, self.torque, strict=True) if torque == 0.0]
+        return (loose[0], loose[-1]) if loose else (0.0, 0.0)
 
     @model_validator(mode="after")
     def _curve(self) -> Self:
         if len(self.deflection) < 2 or len(self.deflection) != len(self.torque):
             raise ValueError("give at least two deflections and as many torques")
-        for values in (self.deflection, self.torque):
-            if any(b - a < _ANGLE_ROUND_OFF for a, b in pairwise(values)):
-                play = "; play needs a small slope of torque where the latch is loose"
-                raise ValueError(
-                    "deflections and torques must increase" + (play if values == self.torque else "")
-                )
+        if any(b - a < _ANGLE_ROUND_OFF for a, b in pairwise(self.deflection)):
+            raise ValueError("deflections must increase")
+        if any(b - a < _ANGLE_ROUND_OFF and not a == b == 0.0 for a, b in pairwise(self.torque)):
+            raise ValueError("torques must increase, except where they are 0, within the play of the latch")
+        if not any(self.torque):
+            raise ValueError("the curve has no torque; give points beyond the play of the latch")
         return self
 
 
@@ -284,6 +293,23 @@ class Latch(Table):
     """Damping ratio of the latched line; with structural damping of the scene it has that instead."""
     measured: MeasuredLatch | None = None
     """Measured torque of the hinges, in place of a spring where both sides are modelled with compliance."""
+    play: PositiveAngle | None = None
+    """Deflection either way within which the latch is loose; its stiffness and damping act beyond."""
+
+    @property
+    def loose(self) -> tuple[float, float]:
+        """Deflections between which the latch is loose, by its play or its measured curve; equal without play."""
+        if self.play is not None:
+            return -self.play, self.play
+        return (0.0, 0.0) if self.measured is None else self.measured.play
+
+    @model_validator(mode="after")
+    def _play_of_a_spring(self) -> Self:
+        if self.kind == "kinematic" and self.loose[0] < self.loose[1]:
+            raise ValueError("a kinematic latch has no play; give kind by_fidelity or spring")
+        if self.play is not None and self.measured is not None:
+            raise ValueError("the measured curve says what play there is; leave out play or measured")
+        return self
 
     @model_validator(mode="after")
     def _sides_stiffer_than_line(self) -> Self:

@@ -95,6 +95,20 @@ static inline real above(real a, double limit) {
     return limit;
 }
 
+static inline real clamped(const double range[2], real s) {
+    if (value_of(s) > range[1]) return range[1];
+    return above(s, range[0]);
+}
+
+/* Share of the way between two coordinates that lies outside of a play; all of it where there is none. */
+static inline real share_beyond(const double play[2], real s0, real s1) {
+    real change = s1 - s0;
+    if (play[0] == play[1]) return 1.0;
+    if (fabs(value_of(change)) > LEAST_CHANGE) return 1.0 - (clamped(play, s1) - clamped(play, s0)) / change;
+    const double middle = value_of(0.5 * (s0 + s1));
+    return play[0] < middle && middle < play[1] ? 0.0 : 1.0;
+}
+
 /* Share of the way between two elongations on which a strand is taut. */
 static inline real taut_share(const Law *strand, real s0, real s1) {
     double slack = strand->free;

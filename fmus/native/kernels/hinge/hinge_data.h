@@ -19,6 +19,9 @@ static int read_laws(Hinge *hinge, const Data *data, Memory *memory, Reason *why
     if (!read_optional_table(data, memory, "motor", &hinge->motor, why)) return 0;
     if (!read_optional_table(data, memory, "harness", &hinge->harness, why)) return 0;
     if (!read_optional_table(data, memory, "hysteresis", &hinge->hysteresis, why)) return 0;
+    const double *play = data_array(data, "latch_play", 2, why);
+    if (!play) return 0;
+    memcpy(hinge->play, play, sizeof hinge->play);
     if (hinge->latch_kind != TABLE_LATCH) return 1;
     return read_table(data, memory, "latch", &hinge->latch, why);
 }

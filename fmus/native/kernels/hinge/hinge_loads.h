@@ -28,9 +28,11 @@ static inline MeanLoad drive_load(const Hinge *hinge, const Law *law, const Step
 /* Mean latch torque, its heat, and what the scheme took away. */
 static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, StepMotion motion) {
     StepMotion deflection = shifted_motion(motion, grip->latched_angle);
-    if (hinge->base.paired) return workless_law(&hinge->latch, hinge->latch_damping, &deflection, deflection.roughness);
+    const real share = share_beyond(hinge->play, deflection.start, deflection.end);
+    if (hinge->base.paired)
+        return workless_law(&hinge->latch, share * hinge->latch_damping, &deflection, deflection.roughness);
     real elastic = law_mean_force(&hinge->latch, deflection.start, deflection.end);
-    return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection);
+    return damped_load(elastic, hinge->latch_stiffness, share * hinge->latch_damping, &deflection);
 }
 
 /* Mean loads of bushing and latch. */
@@ -112,6 +114,12 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
     };
 }
 
+/* Damping of the latch at an angle: none within its play. */
+static inline double latch_damping_at(const Hinge *hinge, const Grip *grip, real angle) {
+    const real deflection = angle - grip->latched_angle;
+    return hinge->latch_damping * value_of(share_beyond(hinge->play, deflection, deflection));
+}
+
 /* What bushing and latch exert at one instant. */
 typedef struct Held {
     real bushing[COORDINATE_COUNT], latch;
@@ -126,7 +134,7 @@ static inline Held held_at(const Hinge *hinge, const Grip *grip, const real *coo
     }
     if (latch_acts(hinge, grip))
         held.latch = law_value(&hinge->latch, coordinates[HINGE_ANGLE] - grip->latched_angle) +
-                     -hinge->latch_damping * rates[HINGE_ANGLE];
+                     -latch_damping_at(hinge, grip, coordinates[HINGE_ANGLE]) * rates[HINGE_ANGLE];
     return held;
 }
 
@@ -137,7 +145,7 @@ static inline Loads instant_loads(const Hinge *hinge, const Grip *grip, const re
     real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE], viscous = 0.0, damping = 0.0;
     for (int i = 0; i < COORDINATE_COUNT; i++) damping += hinge->damping[i] * rates[i] * rates[i];
     Presliding friction = instant_friction(hinge, grip, load, angle, rate);
-    if (latch_acts(hinge, grip)) viscous = -hinge->latch_damping * rate;
+    if (latch_acts(hinge, grip)) viscous = -latch_damping_at(hinge, grip, angle) * rate;
     real twist = load[HINGE_ANGLE] + law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) +
                  friction.force + held->latch;
     if (grip->holding != 0.0) twist -= hinge->base.p[P_HOLD_STIFFNESS] * (angle - grip->hold_angle);

@@ -22,6 +22,7 @@ typedef struct Hinge {
     double axis_frame[4];
     int latch_kind, locks;
     double stiffness[COORDINATE_COUNT], damping[COORDINATE_COUNT], latch_stiffness, latch_damping;
+    double play[2]; /* rad, deflections of the latch between which it has no torque */
     Law motor, harness, hysteresis, latch;
 } Hinge;
 
