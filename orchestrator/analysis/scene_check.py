@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,14 @@ from components.contract.component import Vector
 from components.contract.frames import Vector3, add, rotate, rotation_matrix
 from components.flexible.modal import ModalData
 
+from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
 from ..assembly.second_order import second_order_modes
 from ..messages import message
 from ..records import short_repr
+from ..results.result import Result
 from ..scene import PlacedScene
 from ..scene.bodies import Attachment, StartPose, body_definition, body_model
 from ..scene.body_tables import Body, Fidelity
@@ -28,6 +31,7 @@ from ..scene.loops.initial_assembly import Closed
 from ..scene.loops.rates import momenta
 from ..validity.before_run import warnings_before_run
 from ..validity.cable_loops import loop_travels
+from .opening import opening
 
 Places = Mapping[str, StartPose]
 Points = Mapping[str, Mapping[str, Vector3]]
@@ -128,6 +132,17 @@ class SceneCheck:
     """None where everything starts at rest"""
     stowed: Sketch | None = None
     deployed: Sketch | None = None
+    placed: PlacedScene | None = None
+    assembly: Assembly | None = None
+    models: Mapping[str, ModalData] = field(default_factory=dict)
+    """of bodies and of a free base"""
+
+    @cached_property
+    def opening(self) -> Result | None:
+        """Poses on the way to the deployed configuration, over the share of it in %; None with problems."""
+        if self.placed is None or self.assembly is None:
+            return None
+        return opening(self.placed, self.assembly, self.models)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, without the sketches."""
@@ -184,6 +199,9 @@ def check_scene(
         start_motion=_start_motion(scene),
         stowed=_sketch(scene, models, scene.poses),
         deployed=_sketch(scene, models, far.poses),
+        placed=scene,
+        assembly=assembly,
+        models=models,
     )
 
 

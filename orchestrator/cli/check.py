@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 def command(choice: SceneChoice, asked: Asked, output: Folder | None = None, as_json: bool = False) -> None:
     """Check a SCENE without running it, or FMUs (files with the suffix .fmu). Exit code 1 if there is any problem.
 
-    Prints problems of a scene, warnings about probable mistakes, tables of its bodies, lines and loops, and writes a
-    picture.
+    Prints problems of a scene, warnings about probable mistakes, tables of its bodies, lines and loops. Writes a
+    picture, and a page in which a slider opens the scene without any force.
 
     A problem of an FMU breaks the standard or a requirement of Fanfold; advice alone is no problem.
 
     Options
     -------
     output
-        folder of the picture of the scene
+        folder of the picture and the page of the scene
     as_json
         print one JSON object (scenes only)
     run

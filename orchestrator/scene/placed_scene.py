@@ -30,7 +30,7 @@ from .hinge_line_tables import HingeLine
 from .line_inertia import line_inertia
 from .loops.constraints import Constraint, Vector, constraints, farthest
 from .loops.coupled_lines import CoupledLines, coupled_lines
-from .loops.initial_assembly import Closed, Weight, acts, closed
+from .loops.initial_assembly import Closed, Weight, acts, close, closed
 from .loops.rates import Standing, StartRates, start_rates
 from .schema import SceneTables
 from .table import SceneError
@@ -177,6 +177,19 @@ class PlacedScene(SceneTables):
     def deployed(self) -> Self:
         """The scene with all lines that move at their deployed angle."""
         return self.with_angles({k.name: k.deployed_angle for k in self.hinge_lines if not k.held})
+
+    def way(self, shares: Sequence[float]) -> list[Mapping[str, StartPose]]:
+        """Poses with all lines and motions at rising shares of their way; loops close from each to the next."""
+        moving = [line for line in self.hinge_lines if not line.held]
+        found: list[Mapping[str, StartPose]] = []
+        for share in shares:
+            angles = {k.name: k.initial_angle + share * (k.deployed_angle - k.initial_angle) for k in moving}
+            stage = self.with_angles(angles)
+            before = {name: found[-1][name] for name in self.displaceable} if found else {}
+            start = {**stage.written_poses, **before, **stage._led(share)}
+            held = [c._replace(distance=c.distance + share * c.travel) for c in stage._closing]
+            found.append(close(held, start, self.displaceable) if held else start)
+        return found
 
     def with_angles(self, angles: Mapping[str, float]) -> Self:
         """The scene with other start angles (rad) by line."""

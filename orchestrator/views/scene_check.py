@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from components.contract.component import Vector
 
 from ..analysis.scene_check import SceneCheck, Sketch
+from .report.scene_page import scene_page
 from .space import bounds, draw_bodies, set_view
 from .style import COLOURS, STYLE, WIDTH, empty_figure, save_figure
 
@@ -32,11 +33,13 @@ _ABOVE = 1000.0
 
 
 def plot_scene(found: SceneCheck, folder: Path) -> list[Path]:
-    """Write the picture of a scene without problems into a folder; the path written."""
+    """Write the picture of a scene without problems, and a page that opens it, into a folder; the paths written."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "scene.png"
     save_figure(draw_scene(found), path)
-    return [path]
+    page = folder / "scene.html"
+    page.write_text(scene_page(found), encoding="utf-8")
+    return [path, page]
 
 
 def picture_of(found: SceneCheck) -> bytes:

@@ -47,13 +47,22 @@ class Content:
 _MOTIONS = ("frame_position", "frame_orientation", "modal_coordinate", "node_position")
 
 
-def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[str]) -> Content:
-    """Data of results, which are called by letters in curves and by labels in pictures."""
+def content(
+    results: Sequence[Result],
+    letters: Sequence[str],
+    labels: Sequence[str],
+    of: PlacedScene | None = None,
+    unit: str = "s",
+) -> Content:
+    """Data of results, which are called by letters in curves and by labels in pictures.
+
+    of: their scene, by default the one that each holds. unit: of their time; one other than s plays in a few seconds.
+    """
     room, remarks = Room(), list[str]()
     boxes, made, bodies = list[tuple[Vector, Vector]](), list[dict[str, object]](), list[ShownBody]()
     for result, letter, label in zip(results, letters, labels, strict=True):
         rows = np.flatnonzero(np.diff(result.time, prepend=-np.inf) > 0.0)  # of an event the row before
-        scene = _scene(result, remarks)
+        scene = of or _scene(result, remarks)
         shown = _bodies(result, remarks)
         found = list[ShownBody]()
         if shown:
@@ -81,6 +90,7 @@ def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[
         )
     data: dict[str, object] = {
         "results": made,
+        "unit": unit,
         "low": np.min([low for low, _ in boxes], axis=0).tolist() if boxes else [],
         "high": np.max([high for _, high in boxes], axis=0).tolist() if boxes else [],
         "colours": [list(to_rgb(colour)) for colour in COLOURS],

@@ -29,10 +29,16 @@ class View {
 
   prepareOptions() {
     const stresses = this.shown.flatMap(one => one.bodies).filter(body => body.stress).map(body => body.stress);
-    for (const name of ["colour", "factor", "arrangement", "names-shown", "joints", "links", "loads", "trails", "ground"]) {
+    for (const name of ["colour", "factor", "arrangement", "names-shown", "joints", "links", "loads", "trails", "ground", "frames"]) {
       byId(`view-${name}`).addEventListener("change", () => this.due());
     }
     byId("view-factor").addEventListener("input", () => this.due());
+    for (const [name, isThere] of Object.entries({ loads: one => one.loads.length, frames: one => one.frames.length, links: one => one.links.length, trails: one => one.tips.length })) {
+      byId(`view-${name}`).parentElement.hidden = !this.shown.some(isThere);
+    }
+    byId("view-frames").checked = this.clock.unit !== "s";
+    byId("view-factor").parentElement.hidden = !this.shown.some(one => one.bodies.some(body => body.formCount));
+    byId("view-note").hidden = !this.shown.some(one => one.loads.length);
     byId("view-arrangement-label").hidden = this.shown.length < 2;
     byId("view-colour").parentElement.hidden = stresses.length === 0;
     byId("view-limit").addEventListener("input", () => this.due());
@@ -164,7 +170,7 @@ class View {
     const options = {
       stressLimit: isStressed ? Math.max(limit, 1) : 0,
       names: isOn("names-shown"), joints: isOn("joints"), links: isOn("links"), loads: isOn("loads"),
-      trails: isOn("trails"), ground: isOn("ground"), scale: this.scale, theme: this.theme.now,
+      trails: isOn("trails"), ground: isOn("ground"), frames: isOn("frames"), scale: this.scale, theme: this.theme.now,
     };
     this.picture.draw(this.camera, parts, options, this.clock.time);
     this.labels.draw(this.camera, parts, this.shown, options);
@@ -203,8 +209,8 @@ class View {
     pen.drawImage(byId("view-names"), 0, 0);
     const image = document.createElement("img");
     image.src = paper.toDataURL("image/png");
-    image.alt = `the structure at ${this.clock.time.toFixed(2)} s`;
-    byId("view-printed").replaceChildren(image, `At ${this.clock.time.toFixed(2)} s`);
+    image.alt = `the structure at ${this.clock.written(2)}`;
+    byId("view-printed").replaceChildren(image, `At ${this.clock.written(2)}`);
   }
 }
 
@@ -214,7 +220,7 @@ const prepareClock = (clock, events) => {
   [slider.min, slider.max] = [clock.first, clock.last];
   const follow = () => {
     slider.value = clock.time;
-    told.value = `${clock.time.toFixed(3)} s`;
+    told.value = clock.written(3);
     const word = clock.isPlaying ? "Pause" : "Play";
     if (play.textContent !== word) play.textContent = word;
   };
@@ -222,6 +228,7 @@ const prepareClock = (clock, events) => {
   play.addEventListener("click", () => clock.toggle());
   slider.addEventListener("input", () => clock.set(Number(slider.value)));
   byId("view-speed").addEventListener("change", event => { clock.speed = Number(event.target.value); });
+  byId("view-speed").parentElement.hidden = clock.unit !== "s";
   addEventListener("beforeprint", () => clock.stop());
   for (const event of events.slice(0, 24)) {
     const button = element("button", byId("view-events"), `${event.text}, ${event.time.toFixed(3)} s`);
@@ -254,7 +261,7 @@ const start = () => {
   const content = JSON.parse(byId("view-data").textContent);
   const clocks = content.results.map(result => decoded(result.clock));
   const theme = new Theme();
-  const clock = new Clock(Math.min(...clocks.map(one => one[0])), Math.max(...clocks.map(one => one[one.length - 1])));
+  const clock = new Clock(Math.min(...clocks.map(one => one[0])), Math.max(...clocks.map(one => one[one.length - 1])), content.unit);
   const events = content.results.flatMap(result => result.events.map(event => ({
     ...event, text: content.results.length > 1 ? `${result.letter}: ${event.text}` : event.text,
   })));
@@ -267,6 +274,7 @@ const start = () => {
       showStills(error.message);
     }
   }
+  if (!byId("plots")) return;
   byId("plots").hidden = byId("view-help").hidden = false;
   preparePlots(new Plots(byId("plots-list"), content, clock, theme));
 };

@@ -41,6 +41,7 @@ def marks(
         "dampers": [],
         "links": [],
         "tips": [],
+        "frames": [],
     }
     at_base: dict[str, Place] = {}
     if scene is not None:
@@ -48,6 +49,9 @@ def marks(
         found["dampers"] = list(_dampers(scene, places))
         found["links"] = list(_links(scene, places))
         found["tips"] = list(_tips(scene, shown))
+        found["frames"] = [
+            {"body": body.name, "point": [0.0, 0.0, 0.0]} for body in scene.bodies if body.name in bodies
+        ]
         at_base = {name: place for (name, _), place in places.items() if place["body"] == scene.base.name}
     found["loads"] = list(_loads(result, at_base, rows))
     ends = (end for link in found["links"] for end in _ends(link))

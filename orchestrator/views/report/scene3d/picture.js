@@ -42,7 +42,7 @@ class Shown {
     this.label = content.label;
     let rank = 0;
     this.bodies = content.bodies.map(body => new Body(body, body.is_base ? PART_COLOURS.spacecraft : colours[rank++ % colours.length]));
-    const { ports = [], axes = [], dampers = [], links = [], tips = [], loads = [] } = content.marks;
+    const { ports = [], axes = [], dampers = [], links = [], tips = [], frames = [], loads = [] } = content.marks;
     const point = place => new Point(place, this.bodies);
     const along = one => ({ name: one.name, axis: one.axis, point: point(one) });
     this.ports = ports.map(point);
@@ -50,6 +50,7 @@ class Shown {
     this.dampers = dampers.map(along);
     this.links = links.map(link => ({ ...link, ends: link.ends.map(point) }));
     this.tips = tips.map(point);
+    this.frames = frames.map(point);
     this.loads = loads.map(load => ({
       name: load.name, unit: load.unit, peak: load.peak, point: point(load), clock: decoded(load.time), values: decoded(load.values),
     }));
@@ -68,12 +69,13 @@ class Shown {
 
   /** Lines that shine through bodies: ports, cables, loads, trails, axes of the spacecraft. */
   marks(lines, options, time, size) {
+    const triad = (origin, direction, reach) => AXIS_COLOURS.forEach((colour, k) => {
+      const axis = [0, 1, 2].map(i => (i === k ? reach : 0));
+      lines.add(origin, plus(origin, direction(axis)), colour, 2.4);
+    });
+    if (options.frames) for (const point of this.frames) triad(point.here(), axis => point.direction(axis), 0.05 * size);
     if (options.joints) {
-      const origin = this.base ? this.base.placed([0, 0, 0]) : [0, 0, 0];
-      AXIS_COLOURS.forEach((colour, k) => {
-        const axis = [0, 1, 2].map(i => (i === k ? 0.07 * size : 0));
-        lines.add(origin, plus(origin, this.base ? turned(this.base.orientation, axis) : axis), colour, 2.4);
-      });
+      triad(this.base ? this.base.placed([0, 0, 0]) : [0, 0, 0], axis => (this.base ? turned(this.base.orientation, axis) : axis), 0.07 * size);
       for (const port of this.ports) {
         const here = port.here();
         lines.add(here, plus(here, [0, 0, 0.003 * size]), options.theme.line, 2.6);

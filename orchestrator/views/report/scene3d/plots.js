@@ -155,7 +155,7 @@ class Plot {
     this.curves.forEach((curve, k) => {
       const row = nearest(curve.clock, time);
       this.readings[k].textContent = curve.values[row].toFixed(this.decimals);
-      if (!rows.has(curve.letter)) rows.set(curve.letter, `${curve.letter}${curve.clock[row].toFixed(6)} s`);
+      if (!rows.has(curve.letter)) rows.set(curve.letter, `${curve.letter}${this.plots.clock.written(6, curve.clock[row])}`);
     });
     this.at.textContent = `Recorded values at ${[...rows.values()].join(", ")}`;
   }
@@ -218,7 +218,7 @@ class Plot {
     const places = ticks(...this.plots.range, Math.max(2, Math.floor(this.width / 110)));
     places.forEach((time, k) => {
       pen.strokeRect(this.x(time), TOP, 0, HEIGHT - TOP - BOTTOM);
-      pen.fillText(k === places.length - 1 ? `${written(time)} s` : written(time), Math.min(this.x(time), right - 14), HEIGHT - 8);
+      pen.fillText(k === places.length - 1 ? `${written(time)} ${this.plots.clock.unit}` : written(time), Math.min(this.x(time), right - 14), HEIGHT - 8);
     });
     pen.textAlign = "left";
     pen.fillText(this.unit, 2, TOP - 6);

@@ -300,6 +300,20 @@ def test_without_webgl_there_are_stills_and_plots(file, result, tmp_path):
         assert page.told == []
 
 
+def test_a_scene_before_its_run(browser, tmp_path):
+    """The page of `check` opens the scene by its slider, with angles over the way, and says nothing."""
+    _, path = fanfold.plot(fanfold.check_scene("amos3", rigid="all"), tmp_path)
+    browser.told.clear()
+    browser.open(path)
+    browser.run(DRAWN)
+    stowed = browser.picture("stage")
+    set_to(browser, "view-time", 50.0)
+    assert browser.run("document.getElementById('view-clock').value") == "50.0 %"
+    assert changed(stowed, browser.picture("stage")) > 0.02
+    assert readings(browser, "Deployment angles")[1]["HL1"] == ["45.00", "deg"]
+    assert browser.told == []
+
+
 def test_stress_and_two_results(browser, tmp_path):
     """Colours of stress, and the largest of now as the analysis has it; a second result beside or over the first."""
     options = {"tolerance": 1e-3, "estimate": False, "signals": ("*.angle", "panel.*")}
