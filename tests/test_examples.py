@@ -82,6 +82,19 @@ def restow(found, folder):
     assert abs(attitude[-1]) < 1.0
 
 
+def over_centre_spring(found, folder):
+    """Closed form: the energy of the spring becomes that of 0.07 kg.m2, or of twice that; steps leave 2e-4."""
+
+    def stored(angle):
+        x, z = 0.1 * np.cos(angle) - 0.02 * np.sin(angle), 0.02 * np.cos(angle) + 0.1 * np.sin(angle)
+        return 200.0 * (np.hypot(0.1 + x, z) - 0.05) ** 2
+
+    free = np.sqrt(2 * (stored(0.0) - stored(np.pi / 2)) / 0.07)
+    assert found["rates"]["one flap"] == pytest.approx(free, rel=2e-4)
+    assert found["rates"]["two flaps"] == pytest.approx(free / np.sqrt(2), rel=2e-4)
+    assert all(run.headline.energy_residual < 1e-5 for run in found["runs"].values())
+
+
 def rigid_or_flexible(found, folder):
     """The rigid latch is tuned to the panel's first mode, so that its peak is close."""
     assert found["peaks"]["flexible"] / found["peaks"]["rigid"] == pytest.approx(1.0, abs=0.1)

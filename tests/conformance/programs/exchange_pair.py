@@ -56,6 +56,7 @@ SUBJECTS = {
     "drag": lambda: endpoint("drag"),
     "drive": lambda: endpoint("drive"),
     "end_stop": lambda: endpoint("end_stop"),
+    "gear": lambda: endpoint("gear"),
     "hold_down": lambda: endpoint("hold_down"),
     "load": lambda: endpoint("load"),
     "driven_base": DrivenBase.example,
