@@ -166,11 +166,29 @@ class Instance:
         experiment = {"tolerance": tolerance, "startTime": 0.0, "stopTime": until}
         if self._fmi2:
             self._fmu.setupExperiment(**experiment)
-        self._set(start)
+        self._configure(start)
+        self._set({name: v for name, v in start.items() if not self._is_structural(name)})
         self._fmu.enterInitializationMode(**({} if self._fmi2 else experiment))
         self._set(inputs)
         self._fmu.exitInitializationMode()
         self._initialized = True
+
+    def _is_structural(self, name: str) -> bool:
+        return self._place(name)[0].causality == "structuralParameter"
+
+    def _configure(self, start: Mapping[str, Value]) -> None:
+        """Set structural parameters, and the sizes of arrays that follow from them."""
+        given = {name: value for name, value in start.items() if self._is_structural(name)}
+        if not given:
+            return
+        self._fmu.enterConfigurationMode()
+        self._set(given)
+        self._fmu.exitConfigurationMode()
+        for variable in self._variables.values():
+            variable.shape = tuple(
+                int(d.start if d.variable is None else given.get(d.variable.name, d.variable.start))
+                for d in variable.dimensions
+            )
 
     def sample(
         self, time: float, h: float, inputs: Mapping[str, Value], outputs: Sequence[str]
@@ -253,8 +271,11 @@ class Instance:
         """The variable that a name means, and which of its elements."""
         if name in self._variables:
             return self._variables[name], 0
-        array, _, element = name.removesuffix("]").rpartition("[")
-        return self._variables[array], int(element) - 1
+        array, _, places = name.removesuffix("]").rpartition("[")
+        variable, element = self._variables[array], 0
+        for size, place in zip(variable.shape, places.split(","), strict=True):
+            element = element * size + int(place) - 1
+        return variable, element
 
     def _kind(self, variable: Any) -> str:  # noqa: ANN401 - of FMPy
         kind: str = variable.type

@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isclose, isfinite
+from operator import le
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -34,7 +35,7 @@ _FACTOR = 1e-6
 """By which factors of one unit may differ: those of angles are written with seven digits."""
 MEETS_RATES = "base_meets_rates"
 """Parameter of a scene as one FMU with a driven base."""
-_ELEMENT = re.compile(r"(.+)\[([1-9]\d*)\]")
+_ELEMENT = re.compile(r"(.+)\[([1-9]\d*(?:,[1-9]\d*)*)\]")
 _ANGLE = re.compile(r"rad|deg|grad|°|gon|arc", re.IGNORECASE)
 """Names of angles. Many units say them by their name only, without an exponent of rad."""
 _IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
@@ -175,17 +176,26 @@ class _Reader:
         of_them = [v.name for v in self._variables.values() if v.causality in causalities]
         variable = self._variables.get(name)
         if variable is None and (found := _ELEMENT.fullmatch(name)) is not None:
-            array, place = found[1], int(found[2]) - 1
+            array, places = found[1], [int(place) for place in found[2].split(",")]
             variable = self._variables.get(array)
-            size = _length(variable) if variable is not None else None
-            if size is not None and place >= size:
-                raise ValueError(f"has no such element; {array} has {size}")
-            of_them = [array] if size is not None else of_them
+            shape = self._shape(variable) if variable is not None else ()
+            if shape and not (len(places) == len(shape) and all(map(le, places, shape))):
+                raise ValueError(f"has no such element; {array} has {' x '.join(map(str, shape))}")
+            of_them = [array] if shape else of_them
         elif variable is not None and variable.dimensions:
-            raise ValueError(f"is an array; its elements can be joined, such as {name}[1]")
+            first = ",".join("1" for _ in variable.dimensions)
+            raise ValueError(f"is an array; its elements can be joined, such as {name}[{first}]")
         if variable is None or variable.causality not in causalities:
             raise ValueError(f"{unknown(name, of_them, causalities[0])} (of {Path(self._table.file).name})")
         return variable
+
+    def _shape(self, variable: Any) -> tuple[int, ...]:  # noqa: ANN401 - of FMPy
+        """Elements of an array by dimension, which may be the value of a structural parameter; () for a scalar."""
+        given = self._table.parameters
+        return tuple(
+            int(d.start if d.variable is None else given.get(d.variable.name, d.variable.start))
+            for d in variable.dimensions or ()
+        )
 
     def _signal_variable(self, name: str, causality: str) -> Any:  # noqa: ANN401 - of FMPy
         variable = self._scalar_variable(name, (causality,))
@@ -367,14 +377,6 @@ def _refuse_redefined(unit: str, base: Any) -> None:  # noqa: ANN401 - of FMPy
             f"is in {unit}, which the FMU defines as {said[0]:g} {powers} with an offset of {said[1]:g}; correct the "
             "definition, or call the unit by another name"
         )
-
-
-def _length(variable: Any) -> int | None:  # noqa: ANN401 - of FMPy
-    """Number of elements of a variable with one dimension that is fixed; None for any other."""
-    if len(variable.dimensions or ()) != 1:
-        return None
-    start = variable.dimensions[0].start
-    return int(start) if start else None
 
 
 def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy
