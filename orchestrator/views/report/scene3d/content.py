@@ -68,7 +68,7 @@ def content(
         if shown:
             boxes.append(extent(result, shown, rows))
             size = float(np.linalg.norm(boxes[-1][1] - boxes[-1][0])) or 1.0
-            every = _spacecraft(result, scene) | shown
+            every = shown | _spacecraft(result, scene)  # in place of the plane through its points
             every |= _frames(result, every)
             found = moving_bodies(result, every, rows, size, room, remarks)
             for one in found:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import orchestrator as fanfold
+from orchestrator.views.report.scene3d.content import content
 from orchestrator.views.report.scene3d.looks import spacecraft, thickness
 
 
@@ -47,3 +48,13 @@ def test_thickness_of_a_sandwich():
     scene = wing.check()
     assert thickness(scene, "panel") == pytest.approx(20.2e-3, rel=(0.2 / 20.2) ** 2)
     assert thickness(scene, "base") == 0.0
+
+
+@pytest.mark.filterwarnings("ignore:.*W-not-opened")  # it ends before
+def test_a_free_spacecraft_is_a_box_in_the_page():
+    """In place of the plane through its points that a run records."""
+    wing = fanfold.load("amos3", variant="free")
+    result = fanfold.simulate(wing, rigid="all", until=0.01, estimate=False)
+    (one,) = content([result], "A", ["A"]).data["results"]
+    (base,) = [body for body in one["bodies"] if body["is_base"]]
+    assert base["nodes"]["shape"] == [8, 3]
