@@ -10,6 +10,7 @@ import pytest
 
 from components.cache.locks import hold
 from fmus.native import FLAGS, compiler, sources
+from fmus.native.compile import suffix
 
 SANITIZERS = (
     "-g1",
@@ -26,10 +27,10 @@ tells where. Accesses by a null pointer are AddressSanitizer's, with line number
 """
 
 
-def program(host, temporary):
-    """The path of the program made of the host's source file; skips the test where there are no sanitizers.
+def objects(temporary):
+    """The folder of all native sources, compiled once a session; skips the test where there are no sanitizers.
 
-    temporary: pytest's factory of folders. What all programs share is compiled once a session.
+    temporary: pytest's factory of folders.
     """
     shared = _shared_folder(temporary) / "sanitized"
     shared.mkdir(exist_ok=True)
@@ -41,11 +42,25 @@ def program(host, temporary):
             _compile(["-c", *(path.name for path in shared.glob("*.c"))], shared)
     finally:
         os.close(lock)
+    return shared
+
+
+def program(host, temporary):
+    """The path of the program made of the host's source file and all native sources."""
+    shared = objects(temporary)
     made = temporary.mktemp("host") / host.stem
     _compile(
         [str(host), f"-I{host.parent}", f"-I{shared}", *map(str, shared.glob("*.o")), "-o", str(made), "-lm"],
         shared,
     )
+    return made
+
+
+def library(temporary):
+    """The path of the library of all native sources."""
+    shared = objects(temporary)
+    made = temporary.mktemp("library") / f"fanfold{suffix()}"
+    _compile(["-shared", *map(str, shared.glob("*.o")), "-o", str(made), "-lm"], shared)
     return made
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from fmus import native_library
-from fmus.native.compile import compile_library
 from orchestrator.cosim import coupling
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import ParticipantError, in_process
@@ -52,11 +51,10 @@ def test_a_library_of_another_version_is_told(monkeypatch, tmp_path):
     assert "another version" in refusal()
 
 
-def test_runs_are_clean_under_sanitizers(tmp_path):
+def test_runs_are_clean_under_sanitizers(tmp_path_factory):
     """AddressSanitizer sees what leaves an array of NumPy by one number, as Python takes all its memory from malloc."""
     preloaded = sanitized.runtime()
-    library = tmp_path / "fanfold.so"
-    compile_library(library, ("-shared", *sanitized.flags()), link_flags=("-shared",))
+    library = sanitized.library(tmp_path_factory)
     environment = os.environ | {
         "LD_PRELOAD": preloaded,
         "ASAN_OPTIONS": "detect_leaks=0",  # the interpreter's own
