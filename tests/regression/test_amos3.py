@@ -22,8 +22,8 @@ from orchestrator.scene import find_scene, load_scene
 pytestmark = pytest.mark.slow
 
 BODIES = ("yoke", "panel1", "panel2")
-COMBINATIONS = list(chain.from_iterable(combinations(BODIES, n) for n in range(4)))
-"""Every choice of flexible bodies; the first is none, which is the all-rigid wing."""
+COMBINATIONS = list(chain.from_iterable(combinations(BODIES, n) for n in (0, 1, 3)))
+"""Flexible bodies: none, which is the all-rigid wing, each by itself, and all."""
 
 LATCH_TIMES = {"HL3": 7.4, "HL2": 8.5, "HL1": 11.6}
 """s; Bagnoli 2007, section 2.3.2.1 (data_sheets.md, B5), which an independent planar model of the sheet meets."""
@@ -111,7 +111,7 @@ def test_wing_rests_deployed(rigid):
 
 
 @pytest.mark.parametrize("flexible", COMBINATIONS, ids=identifier)
-def test_every_combination_starts_and_runs(flexible, outcome_of):
+def test_each_combination_starts_and_runs(flexible, outcome_of):
     """Modes as specified, static preload found, and first steps taken, as FMUs."""
     parts = {part.name: part for part in assembly_of(flexible).parts}
     for name in BODIES:

@@ -104,6 +104,7 @@ GROUND = 11.0
 """s; behind HL2, which ends the swing of HL3; the hybrid wing only needs the second after HL3 at 9.74 s."""
 
 
+@pytest.mark.thorough
 def test_ground_rig_hybrid_and_rigid_agree_on_hl3():
     """Section 4.3.1: HL3 peaks close, frequencies differ; later than in orbit, because of the air."""
     rigid = RUNS.result("amos3-ground", rigid=RIGID, until=GROUND)

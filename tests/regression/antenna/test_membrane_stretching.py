@@ -70,6 +70,7 @@ def deflection(result):
     return np.asarray(result["membrane", "modal_coordinate"][:]) @ shape
 
 
+@pytest.mark.thorough
 def test_a_frame_that_starts_bends_it_by_five_thicknesses(carried):
     """Table of another basis, 2.51 mm at 25.5 ms, where linear it would be 15.4 mm; and a method that shares nothing.
 

@@ -124,6 +124,7 @@ def between(result, variable, t):
     return CubicSpline(time[once], values[once])(t)
 
 
+@pytest.mark.thorough
 def test_links_of_large_deformation_carry_what_modal_ones_do():
     """Two formulations, as the design asks: joint forces within 1 % of the largest, the top within 1e-6 m.
 

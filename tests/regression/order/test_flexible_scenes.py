@@ -43,7 +43,7 @@ def errors(holds, order):
     return np.array([(np.linalg.norm(one, axis=0) / np.linalg.norm(exact, axis=0)).max() for one in lost])
 
 
-@pytest.mark.parametrize("holds", ["spring", "lock"])
+@pytest.mark.parametrize("holds", ["spring", pytest.param("lock", marks=pytest.mark.thorough)])
 def test_a_held_panel_is_of_order_four(holds):
     """Mean force and torque of a hinge; a tenth of the errors at order 2 and less, at equal steps.
 
@@ -88,6 +88,7 @@ def at_common_points(found: Followed) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(modes, axis=1), found.means(points)[..., 3:]
 
 
+@pytest.mark.thorough
 def test_two_panels_that_open_are_of_order_four():
     """Modal coordinates and mean torques of all ports, between 2 and 0.5 ms: down to 1e-6 and 2e-7."""
     steps = (2e-3, 1e-3, 5e-4)

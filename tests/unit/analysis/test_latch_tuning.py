@@ -256,6 +256,7 @@ def test_command(tmp_path):
         assert words in refused.stderr
 
 
+@pytest.mark.thorough
 def test_against_the_whole_wing_amos3_is_tuned_to_what_its_variant_has():
     """Independent: the variant tuned_hl1 has 6000 N.m/rad, found by trial for 0.714 Hz of the flexible wing."""
     found = fanfold.wing_latch_tuning("amos3", "HL1")

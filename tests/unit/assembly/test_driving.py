@@ -45,6 +45,7 @@ def test_a_small_torque_is_no_round_off():
     assert angle_at_end(slow) == pytest.approx(angle_at_end(usual), rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_a_small_load_is_no_round_off():
     """Closed form: half of the angular acceleration times time squared, in the first degrees of a constant torque."""
     torque, until = 2e-10, 20000.0

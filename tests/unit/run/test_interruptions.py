@@ -89,7 +89,7 @@ def test_interruptions_after_a_run_end_the_command(monkeypatch, tmp_path, number
         "workbench: at 1e-05",
         "workbench: at 1e-06",
     }
-    for at in np.linspace(after[0], after[-1], 10).astype(int).tolist():
+    for at in np.linspace(after[0], after[-1], 4).astype(int).tolist():
         path = tmp_path / "run.h5"
         found = run_with(monkeypatch, Moments(number, at), path)
         assert found.exit_code == 1, at
@@ -141,6 +141,7 @@ main()
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_a_repetition(tmp_path, number):

@@ -119,6 +119,7 @@ class Deadly(fanfold.Scene):
         return super().with_settings(settings)
 
 
+@pytest.mark.thorough
 def test_the_sample_that_ends_processes_is_known():
     """One of three ends whatever runs it: it is named, and the others come."""
     shared = replace(task(), scene=Deadly.load(WING))
