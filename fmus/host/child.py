@@ -174,7 +174,7 @@ class Instance:
         self._initialized = True
 
     def _is_structural(self, name: str) -> bool:
-        return self._place(name)[0].causality == "structuralParameter"
+        return bool(self._place(name)[0].causality == "structuralParameter")
 
     def _configure(self, start: Mapping[str, Value]) -> None:
         """Set structural parameters, and the sizes of arrays that follow from them."""
