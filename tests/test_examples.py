@@ -62,6 +62,13 @@ def margin_against_friction(found, folder):
     assert [path.name for path in found["pictures"]] == ["torque_margin_HL2.png"]
 
 
+def margin_by_temperature(found, folder):
+    """GSFC-STD-7000, FS_v of 3 on friction and on the harness of 0.25 N.m; values halfway between columns at -50 C."""
+    expected = {"-80 C": 2.25 / (3 * 0.45) - 1, "-50 C": 2.27 / (3 * 0.41) - 1, "20 C": 0.0}
+    expected["20 C"] = (2.29 + 0.014 * 2 / 3) / (3 * (0.12 - 0.02 * 2 / 3 + 0.25)) - 1
+    assert found["margins"] == pytest.approx(expected, rel=1e-4)
+
+
 def modes_of_the_wing(found, folder):
     """The spring that gives the rigid wing this frequency is stiffer than the assumed 2500 N.m/rad; 0.714 Hz."""
     frequencies = found["deployed"].frequencies

@@ -26,6 +26,7 @@ from .requirement_tables import Requirements
 from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
+from .temperature import at_temperature
 from .validation import EntryReader
 
 Names = str | Sequence[str] | frozenset[str]
@@ -322,7 +323,7 @@ class Scene:
         """Put a table where it belongs and return its name; SceneError with its problems."""
         table = _plain(f"{self._layers.file}: {key}", keys)
         with_absolute_files({key: table}, Path.cwd())
-        reader = EntryReader({key: table}, ())
+        reader = EntryReader(at_temperature({key: table})[0], ())
         reader.table(key, model, required=True)
         self._refuse(reader.problems)
         self._layers.tree[key], self._checked = table, None
@@ -333,7 +334,7 @@ class Scene:
         entry = _plain(f"{self._layers.file}: {key}.{keys['name']}", keys)
         with_absolute_files({key: [entry]}, Path.cwd())
         whole, unlike = resolved({key: [*self._layers.tree.get(key, ()), entry]})
-        whole, unmerged = with_entries({key: whole[key][-1:]})
+        whole, unmerged = with_entries(at_temperature({key: whole[key][-1:]})[0])
         if not unlike:  # what it is like may follow
             reader = EntryReader(whole, ())
             reader.tables(key, model)

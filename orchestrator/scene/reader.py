@@ -33,6 +33,7 @@ from .requirement_tables import Requirements
 from .schema import Header
 from .signal_tables import Fmu
 from .table import SceneError, Table
+from .temperature import at_temperature
 from .validation import Entries, EntryReader
 
 _STRUCTURAL, _LIMITS = "structural_damping", "requirements"
@@ -181,8 +182,8 @@ def read_scene(file: str, tree: Tree, of_result: bool = False) -> PlacedScene:
 
 
 def whole_tree(tree: Tree) -> Tree:
-    """The tree of a scene with arrays written out and entries that are like others completed."""
-    return resolved(expanded(tree)[0])[0]
+    """The tree of a scene with values at its temperature, arrays written out and `like` entries completed."""
+    return resolved(expanded(at_temperature(tree)[0])[0])[0]
 
 
 def _checked(
@@ -192,13 +193,14 @@ def _checked(
     known = sorted({*TABLES, *ARRAYS})
     mistyped = [key for key in tree if key not in known]
     tree = _as_meant(tree, mistyped, known)
-    repeated, wrong_arrays = expanded(tree)
+    measured, unmeasured = at_temperature(tree)
+    repeated, wrong_arrays = expanded(measured)
     whole, unlike = resolved(repeated)
     unloaded = list(loading.problems(plugins))
     whole, unmerged = with_entries(with_presets(whole))
     unlike |= unmerged
     reader = EntryReader(whole, added)
-    reader.note(unloaded)
+    reader.note([*unloaded, *unmeasured])
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in mistyped)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)

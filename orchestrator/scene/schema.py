@@ -15,7 +15,7 @@ from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .signal_tables import Fmu
 from .table import ORIGIN, Name, SceneName, Table
-from .units import Acceleration, Duration, PositiveRatio
+from .units import Acceleration, Duration, PositiveRatio, Temperature
 
 TOLERANCES = (1e-10, 0.1)
 """Smallest and largest that can be asked for."""
@@ -46,6 +46,8 @@ class Header(Table):
     """Whether a run starts in static equilibrium, bodies bent and cables taut."""
     gravity: Acceleration = ORIGIN
     """Gravitational acceleration, world axes."""
+    temperature: Temperature | None = None
+    """Temperature that chooses values from measured columns `{ temperature = [...], value = [...] }`."""
     phases: tuple[Name, ...] = ()
     """Variants that run one after the other, each from its own start."""
     plugins: tuple[str, ...] = ()

@@ -55,6 +55,10 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 """Factors to the SI unit by SI unit, in the unit syntax of `components.Quantity`."""
 
 
+_ABOVE_ZERO: Mapping[str, float] = {"K": 0.0, "C": 273.15, "degC": 273.15}
+"""K; zero of each scale of temperature."""
+
+
 def to_si(value: object, unit: str, sign: Sign = "any", largest: float = LARGEST) -> float:
     """The value in the given SI unit; ValueError with a sentence if it is none, or has the wrong sign or size."""
     number, given = _parts(value, unit)
@@ -120,6 +124,17 @@ def written_as(schema: dict[str, Any]) -> Any:  # noqa: ANN401 - a type made at 
     return Annotated[Any, Field(json_schema_extra=schema)]
 
 
+def kelvin(value: object) -> float:
+    """A temperature in K, a plain number or a text such as "-30 C"; ValueError with a sentence if it is none."""
+    found = None if isinstance(value, bool) else QUANTITY.fullmatch(str(value))
+    if found is None or found[2] not in (_ABOVE_ZERO if isinstance(value, str) else ("",)):
+        raise ValueError(f"is {value!r}; it must be a number of K or a text like '-30 C' or '243 K'")
+    result = float(found[1]) + _ABOVE_ZERO.get(found[2], 0.0)
+    if not 0.0 <= result <= LARGEST:
+        raise ValueError(f"is {value!r}; it must be finite and not below absolute zero")
+    return result
+
+
 def quantity(unit: str, sign: Sign = "any", largest: float = LARGEST) -> BeforeValidator:
     """Annotation of a float field that is read as a quantity."""
     read = partial(written, unit=unit, sign=sign, largest=largest)
@@ -177,6 +192,9 @@ AngularRate = Annotated[float, quantity("rad/s", "positive")]
 OpeningRate = Annotated[float, quantity("rad/s")]
 PeakRate = Annotated[float, quantity("rad/s", "zero or positive")]
 Duration = Annotated[float, quantity("s", "positive")]
+Temperature = Annotated[
+    float, BeforeValidator(kelvin, json_schema_input_type=written_as(schema_of("K", "zero or positive")))
+]
 Frequency = Annotated[float, quantity("Hz", "zero or positive")]
 PositiveFrequency = Annotated[float, quantity("Hz", "positive")]
 Mass = Annotated[float, quantity("kg", "positive")]

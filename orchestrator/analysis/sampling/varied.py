@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from components.contract.errors import nearest
 
 from ...scene.layers import Tree
+from ...scene.temperature import is_measured
 from ...scene.units import QUANTITY
 from .distributions import Distribution, StudyError, distribution
 
@@ -136,14 +138,16 @@ def _keys(found: object, before: str = "") -> Iterator[str]:
         yield before.removesuffix(".")
 
 
-def _scaled(key: str, value: object, factor: float) -> object:
-    """Times a factor: a number, a text with a unit, or a list of them; StudyError for anything else."""
+def _scaled(key: str, value: Any, factor: float) -> object:  # noqa: ANN401 - any value of a tree
+    """Times a factor: a number, a text with a unit, a list or columns of them; StudyError for anything else."""
     if isinstance(value, bool):
         raise StudyError(f"{key}: {value} cannot be multiplied")
     if isinstance(value, int | float):
         return factor * value
     if isinstance(value, list):
         return [_scaled(key, one, factor) for one in value]
+    if is_measured(value):
+        return {**value, "value": _scaled(key, value["value"], factor)}
     parts = QUANTITY.fullmatch(value) if isinstance(value, str) else None
     if parts is None:
         raise StudyError(

@@ -21,13 +21,43 @@ from .meanings import all_tables, meanings, title
 Schema = dict[str, Any]
 _REFERENCE = "#/$defs/"
 _CHANGE = "Change"
+_COLUMNS = "Columns"
 _TERM = "MotionTerm"
 _BOUNDS = {"ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "exclusiveMaximum"}
 _NUMBERS = {"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}}]}
 
 
 def scene_schema() -> Schema:
-    """JSON schema (draft 2020-12) of a scene file; what extends another and variants may leave keys out."""
+    """JSON schema (draft 2020-12) of a scene file, where measured columns may stand for each quantity."""
+    found: Schema = _with_columns(key_schema())
+    lists = {"type": "array", "minItems": 2}
+    found["$defs"][_COLUMNS] = {
+        "type": "object",
+        "description": "Values at temperatures, linear between them.",
+        "properties": {"temperature": lists, "value": lists},
+        "required": ["temperature", "value"],
+        "additionalProperties": False,
+    }
+    return found
+
+
+def _with_columns(schema: Any) -> Any:  # noqa: ANN401 - any part of a schema
+    """A copy in which measured columns may stand for quantities, and for arrays of them."""
+    if isinstance(schema, list):
+        return [_with_columns(one) for one in schema]
+    if not isinstance(schema, Mapping):
+        return deepcopy(schema)
+    if _is_quantity(schema) or _is_quantity(schema.get("items")):
+        return {"anyOf": [deepcopy(schema), _reference(_COLUMNS)]}
+    return {key: _with_columns(value) for key, value in schema.items()}
+
+
+def _is_quantity(schema: Any) -> bool:  # noqa: ANN401 - any part of a schema
+    return isinstance(schema, Mapping) and isinstance(unit := schema.get("unit"), str) and unit != "K"
+
+
+def key_schema() -> Schema:
+    """JSON schema of the keys of a scene file; what extends another and variants may leave keys out."""
     definitions = _definitions()
     loose = {f"{name}{_CHANGE}": _loosened(one) for name, one in definitions.items()}
     parts = _parts("")

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ..reader import ARRAYS, TABLES
-from .json_schema import Schema, scene_schema
+from .json_schema import Schema, key_schema
 
 
 class Key(NamedTuple):
@@ -35,7 +35,7 @@ class KeyTable(NamedTuple):
 
 def key_tables() -> list[KeyTable]:
     """All tables; one that stands at several places is told at the first of them."""
-    schema = scene_schema()
+    schema = key_schema()
     listing = _Listing(schema["$defs"])
     top = {
         "extends": schema["properties"]["extends"],
