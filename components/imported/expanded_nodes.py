@@ -21,6 +21,11 @@ from .data import INTERNAL, FiniteElementData, Integers
 
 _CLEAR = 1e-3
 """Between a share of 0 and of 1 in rigid motions; stiffness in 14 digits leaves at most 1e-5."""
+_HELD = 1e-9
+"""Of the largest force, that rigid motions leave at a node; matrices have 14 digits."""
+_LARGE = 0.3
+"""Of the largest, forces at nodes that are let go at once; neighbours of such a node have smaller ones."""
+_TRIALS = 10
 _THREE = 3
 Flags = NDArray[np.bool_]
 
@@ -85,24 +90,34 @@ def _rigid_motions(rows: _Rows, keys: Integers, member: Integers) -> tuple[Vecto
     """Places (P, 3) of all parts, and rigid motions (k, 6) of the other rows.
 
     The energy of three rotations is least over deviations of places from their nodes, whose sum is zero at each node,
-    and over rotations of the other rows.
+    and over rotations of the other rows. A node with a mass or a constraint is a part itself in place of another, so
+    that their mean is elsewhere: nodes that forces hold are let go, and found from the others.
     """
     data = rows.data
     centres = data.coordinates[[data.place(int(node)) for node in keys[:, 0]]]
-    free = _deviations(keys)
     turns = [_turned(axis, data.dofs[rows.listed, 1] - 1, member, len(keys)) for axis in range(3)]
     listed, others = (
         scipy.sparse.eye_array(len(data.dofs), format="csc")[:, own] for own in (rows.listed, rows.others)
     )
     three = scipy.sparse.eye_array(3)
     # rows of the three rotations, one after the other
-    change = scipy.sparse.hstack(
-        [scipy.sparse.vstack([listed @ turn @ free for turn in turns]), scipy.sparse.kron(three, others)],
-        "csc",
-    )
-    start = np.concatenate([listed @ (turn @ centres.ravel()) for turn in turns])
+    moves = scipy.sparse.vstack([listed @ turn for turn in turns], "csr")
+    inner = scipy.sparse.kron(three, others)
     stiffness = scipy.sparse.kron(three, data.stiffness, "csc")
-    found = _solved(change.T @ stiffness @ change, change.T @ (stiffness @ start)[:, None])[:, 0]
+    start = np.concatenate([listed @ (turn @ centres.ravel()) for turn in turns])
+    node, count = np.unique(keys[:, 0], return_inverse=True, return_counts=True)[1:]
+    largest = float((abs(moves).T @ (abs(stiffness) @ np.abs(start))).max())
+    loose = np.zeros(len(keys), dtype=bool)
+    for _ in range(_TRIALS):
+        free = _deviations(keys, loose)
+        change = scipy.sparse.hstack([moves @ free, inner], "csc")
+        found = _solved(change.T @ stiffness @ change, change.T @ (stiffness @ start)[:, None])[:, 0]
+        force = np.zeros((len(count), 3))
+        np.add.at(force, node.ravel(), (moves.T @ (stiffness @ (start + change @ found))).reshape(-1, 3))
+        held = np.where(count > 1, np.linalg.norm(force, axis=1), 0.0)
+        if held.max() <= _HELD * largest:
+            break
+        loose |= (held > _LARGE * held.max())[node.ravel()]
     places = centres + np.asarray(free @ found[: free.shape[1]]).reshape(-1, 3)
     shifted = (data.dofs[rows.listed, 1] - 1)[:, None] == np.arange(3)
     moved = _solved(others.T @ data.stiffness @ others, others.T @ (data.stiffness @ (listed @ shifted)))
@@ -120,14 +135,21 @@ def _solved(matrix: SparseMatrix, force: Vector) -> Vector:
     return solved
 
 
-def _deviations(keys: Integers) -> SparseMatrix:
-    """Places (3 P) from those of all parts but the last of each node, which balances them; nodes of one part stay."""
+def _deviations(keys: Integers, loose: Flags) -> SparseMatrix:
+    """Places (3 P) from those of all parts but the last of each node, which balances them; nodes of one part stay.
+
+    loose: parts (P,) that nothing balances.
+    """
     last = np.r_[keys[1:, 0] != keys[:-1, 0], True]
-    free = np.flatnonzero(~last)
-    balance = np.flatnonzero(last)[np.cumsum(last)[free]] if free.size else free
-    own = np.arange(free.size)
+    free = np.flatnonzero(~last | loose)
+    own = np.flatnonzero(~loose[free])
+    balance = np.flatnonzero(last)[np.cumsum(last)[free[own]]]
     parts = scipy.sparse.coo_array(
-        (np.repeat([1.0, -1.0], free.size), (np.r_[free, balance], np.r_[own, own])), (len(keys), free.size)
+        (
+            np.r_[np.ones(free.size), -np.ones(own.size)],
+            (np.r_[free, balance], np.r_[np.arange(free.size), own]),
+        ),
+        (len(keys), free.size),
     )
     return scipy.sparse.csr_array(scipy.sparse.kron(parts, scipy.sparse.eye_array(3)))
 

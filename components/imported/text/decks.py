@@ -20,13 +20,15 @@ _NODE_AND_X = 2
 
 def read_deck(path: Path) -> Vector:
     """Node, x, y, z (N, 4) in the deck's axes; ComponentError where nodes have axes of their own, or there are none."""
-    rows = list(_nodes(path))
+    turning: set[float] = set()
+    rows = [row for row in list(_nodes(path, turning)) if row[0] not in turning]
     if not rows:
         raise ComponentError(f"{path.name}: has no nodes; it is no deck with coordinates, or cut off")
     return np.array(rows)
 
 
-def _nodes(path: Path) -> Iterator[list[float]]:
+def _nodes(path: Path, turning: set[float]) -> Iterator[list[float]]:
+    """Rows of nodes; turning: takes the numbers of nodes whose displacements are rotations of a rigid body."""
     keyword, lines = "", list(_keywords_and_rows(path))
     glob = any("GLOBAL=YES" in text.upper().replace(" ", "") for _, _, text in lines if text.startswith("*"))
     for file, number, text in lines:
@@ -44,6 +46,8 @@ def _nodes(path: Path) -> Iterator[list[float]]:
             raise ComponentError(
                 f"{file}: line {number}: {text} may move the nodes of a part; give a deck without parts and instances"
             )
+        if keyword == "*RIGIDBODY" and (rotation := re.search(r"ROTNODE=(\d+)", parameters)):
+            turning.add(float(rotation.group(1)))
         if re.search(r"OFFSET[12]?=(?![+-]?0*\.?0*(,|$))", parameters):
             raise ComponentError(
                 f"{file}: line {number}: {text} moves shells or beams away from their nodes; put nodes in the middle"

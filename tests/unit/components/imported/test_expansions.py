@@ -62,6 +62,37 @@ def test_shells_and_a_beam_of_calculix():
     np.testing.assert_allclose(found, HELD, rtol=4e-5)
 
 
+def test_a_node_that_is_a_part_itself_stays_in_its_place(tmp_path):
+    """A mass of 0.5 kg at node 2: CalculiX keeps the node and drops its lower part, 2 x middle - upper. Definition."""
+    dofs = TEE.with_suffix(".dof").read_text().split()
+    lower, upper = np.array([np.flatnonzero(np.array(dofs) == f"2.{k}") for k in (1, 2, 3)]).T
+    change = np.eye(len(dofs))
+    change[lower, lower], change[lower, upper] = 2.0, -1.0
+    for ending in (".sti", ".mas"):
+        row, column, value = np.loadtxt(TEE.with_suffix(ending)).T
+        row, column = row.astype(int) - 1, column.astype(int) - 1
+        matrix = np.zeros((len(dofs), len(dofs)))
+        matrix[row, column] = matrix[column, row] = value
+        matrix = change.T @ matrix @ change
+        if ending == ".mas":
+            matrix[lower, lower] += 0.5
+        row, column = np.nonzero(np.triu(matrix))
+        found = np.column_stack([row + 1, column + 1, matrix[row, column]])
+        np.savetxt(tmp_path / f"tee{ending}", found, fmt="%d %d %.14g")
+    for ending in (".dof", ".inp"):
+        (tmp_path / f"tee{ending}").write_text(TEE.with_suffix(ending).read_text())
+    data = read({"file": tmp_path / "tee.sti"})
+    found = np.array([data.coordinates[data.place(part)] for part in data.parts(2)])
+    np.testing.assert_allclose(found, [[0.1, 0, 0], [0.1, 0, 0.5 * THICKNESS]], atol=1e-8)
+    root = JoinedPoint("root", (1, 4))
+    heavier, light = (
+        imported(file, points=(), rigid_elements=(root,)).model() for file in (tmp_path / "tee.sti", TEE)
+    )
+    assert heavier.mass == pytest.approx(light.mass + 0.5, rel=1e-9)
+    moment = heavier.mass * heavier.center_of_mass - light.mass * light.center_of_mass
+    np.testing.assert_allclose(moment, [0.05, 0, 0], atol=1e-8)
+
+
 @pytest.mark.parametrize("offset", ["0.5", "-.5", "0.", "-0.0"])
 def test_offsets_of_shells_are_refused(tmp_path, offset):
     """Mean places are those of nodes only without them."""
