@@ -120,12 +120,15 @@ _folders: WeakKeyDictionary[Component, Path] = WeakKeyDictionary()
 def _resources(component: Component) -> Path:
     """A folder with the data of a component, which do not depend on the values of its parameters."""
     if component not in _folders:
-        data = component_data(component, {})
-        folder = process_folder() / f"data-{sha256(data).hexdigest()}"
-        folder.mkdir(exist_ok=True)
-        replace_file(folder / _DATA, data)
-        _folders[component] = folder
+        _folders[component] = _folder_of(component_data(component, {}))
     return _folders[component]
+
+
+def _folder_of(data: bytes) -> Path:
+    folder = process_folder() / f"data-{sha256(data).hexdigest()}"
+    folder.mkdir(exist_ok=True)
+    replace_file(folder / _DATA, data)
+    return folder
 
 
 @cache
@@ -137,14 +140,20 @@ def _library_digest() -> str:
 
 
 class InLibrary:
-    """An instance of a component in the compiled library; ComponentError where it cannot be.
+    """An instance of a component, or of its data, in the compiled library; ComponentError where it cannot be.
 
     kind: `MODEL_EXCHANGE` or `CO_SIMULATION`. log: receives what it has to say. library: the functions; handle: their
     first argument, valid until `close`.
     """
 
-    def __init__(self, component: Component, name: str, kind: int, log: Callable[[str], object]) -> None:
-        self.library, self._resources = functions(), _resources(component)
+    def __init__(
+        self, component: Component | bytes, name: str, kind: int, log: Callable[[str], object]
+    ) -> None:
+        self.library = functions()
+        if isinstance(component, bytes):
+            self._resources = _folder_of(component)
+        else:
+            self._resources = _resources(component)
         self._callbacks = _Callbacks(_Log(lambda *words: log(words[-1].decode("utf-8", "replace"))))
         self.handle = c_void_p(
             self.library.fmi2Instantiate(
@@ -261,3 +270,24 @@ _References = Array[c_uint32]
 def _range(first: int, count: int) -> _References:
     """Value references in a row."""
     return (c_uint32 * count)(*range(first, first + count))
+
+
+def run_to_end(data: bytes, end: float, references: range) -> Vector:
+    """Values of references at the end (s) of a run of a component from its data; ComponentError where it fails."""
+    said: list[str] = []
+    one = InLibrary(data, "run", CO_SIMULATION, said.append)
+    wanted, values = _range(references.start, len(references)), np.zeros(len(references))
+
+    def call(name: str, *arguments: Any) -> None:  # noqa: ANN401 - of ctypes
+        if getattr(one.library, f"fmi2{name}")(one.handle, *arguments) > _WARNING:
+            raise ComponentError("".join(said[-1:]) or f"{name} fails")
+
+    try:
+        call("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        call("EnterInitializationMode")
+        call("ExitInitializationMode")
+        call("DoStep", 0.0, end, 1)
+        call("GetReal", wanted, len(wanted), values.ctypes.data)
+    finally:
+        one.close()
+    return values

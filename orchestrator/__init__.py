@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from .api.analyses import wing_latch_tuning as wing_latch_tuning
     from .api.cache import cache as cache
     from .api.documents import compare as compare
+    from .api.documents import live as live
     from .api.documents import plot_comparison as plot_comparison
     from .api.documents import report as report
     from .api.export import export as export

@@ -6,7 +6,7 @@ Declared variables with their ranges, start values, and the arrays of `Component
 from __future__ import annotations
 
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,8 @@ from components import Component
 from .headers import layout_digest
 
 _MAGIC = b"FANFOLD\1"
+_HEAD = struct.Struct("<IQ")
+"""Of an entry, after its kind: length of its name, number of its elements."""
 _GROUPS = ("parameter", "input", "output", "observation")
 
 
@@ -46,6 +48,23 @@ def named_bytes(contents: Mapping[str, bytes], numbers: Mapping[str, ArrayLike])
     )
 
 
+def arrays_in(content: bytes, first: int = 0) -> Iterator[tuple[str, int, int]]:
+    """Name, place (bytes) and length of every array in a file's content, those of parts within it included."""
+    at = len(_MAGIC)
+    while at < len(content):
+        length, count = _HEAD.unpack_from(content, at + 1)
+        begin = at + 1 + _HEAD.size + length
+        name = content[begin - length : begin].decode()
+        if content[at : at + 1] == b"d":
+            yield name, first + begin, count
+            at = begin + 8 * count
+            continue
+        at = begin + count
+        if content.startswith(_MAGIC, begin, at):
+            for inner, place, size in arrays_in(content[begin:at], first + begin):
+                yield f"{name}/{inner}", place, size
+
+
 def _variables(component: Component) -> Mapping[str, ArrayLike]:
     """Offset, size, minimum, maximum of every quantity, and whether it changes at events only, by group and name."""
     found: dict[str, ArrayLike] = {}
@@ -74,4 +93,4 @@ def _numbers(name: str, values: ArrayLike) -> bytes:
 
 def _entry(kind: bytes, name: str, count: int, content: bytes) -> bytes:
     encoded = name.encode()
-    return kind + struct.pack("<IQ", len(encoded), count) + encoded + content
+    return kind + _HEAD.pack(len(encoded), count) + encoded + content

@@ -22,7 +22,7 @@ class Platform(NamedTuple):
 
     folder2: among the binaries of FMI 2.0 (section 2.3), which has names for processors of type x86 only and none for
     others; there, and for web assembly, the tuple of architecture and system of FMI 3.0 (section 2.5.1.4.1), folder3.
-    target: of Zig, with the oldest C library that it runs with.
+    target: of Zig, with the oldest C library that it runs with. processor: of Zig; empty for the oldest one.
     """
 
     folder2: str
@@ -30,17 +30,20 @@ class Platform(NamedTuple):
     target: str
     suffix: str
     link_flags: tuple[str, ...] = LINK_FLAGS
+    processor: str = ""
 
 
 _REACTOR = ("-s", "-mexec-model=reactor", "-Wl,--export-dynamic,--export=malloc,--export=free")
 """A module that is called and has no end of its own; hosts put what they pass into memory that they ask it for."""
+_VECTORS = "generic+simd128"
+"""All hosts of web assembly since 2021 have its vector instructions, with which a wing takes two thirds of the time."""
 PLATFORMS = {
     "linux64": Platform("linux64", "x86_64-linux", "x86_64-linux-gnu.2.17", ".so"),
     "aarch64-linux": Platform("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
     "win64": Platform("win64", "x86_64-windows", "x86_64-windows-gnu", ".dll"),
     "darwin64": Platform("darwin64", "x86_64-darwin", "x86_64-macos.11.0", ".dylib"),
     "aarch64-darwin": Platform("darwin64", "aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
-    "wasm32": Platform("wasm32-wasi", "wasm32-wasi", "wasm32-wasi", ".wasm", _REACTOR),
+    "wasm32": Platform("wasm32-wasi", "wasm32-wasi", "wasm32-wasi", ".wasm", _REACTOR, _VECTORS),
 }
 _UNIVERSAL, _ALIGNMENT = 0xCAFEBABE, 14
 """Mark of a Mach-O file for several processors, and the power of two that its parts start at multiples of."""
@@ -79,6 +82,7 @@ def cross_compiled(name: str) -> bytes:
         platform.target,
         *FLAGS,
         *platform.link_flags,
+        platform.processor,
         *(part for item in texts.items() for part in item),
     ]
     return kept("library", hashlib.sha256("\0".join(said).encode()).hexdigest(), lambda: _compiled(platform))
@@ -86,6 +90,8 @@ def cross_compiled(name: str) -> bytes:
 
 def _compiled(platform: Platform) -> bytes:
     command = [*ZIG, "-target", platform.target]
+    if platform.processor:
+        command.append(f"-mcpu={platform.processor}")
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / f"fanfold{platform.suffix}"
         compile_library(target, FLAGS, command, platform.link_flags)

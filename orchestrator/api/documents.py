@@ -13,9 +13,13 @@ from ..results.compare import Comparison
 from ..results.differences import scene_note
 from ..results.result import Result as Record
 from ..results.result import ResultError, reason
-from ..scene.builder import listed
+from ..run.progress import Progress
+from ..scene.builder import Names
 from .options import OutputFile, Within
+from .quantities import Duration, Tolerance
+from .report_page import page_of
 from .result import Result
+from .simulate import SceneLike, as_scene, simulate
 from .warnings import warn
 
 ResultLike = Record | str | Path
@@ -68,8 +72,12 @@ def report(
     frames: Annotated[int, Within(low=0, high=300)] = 6,
     require: str | Sequence[str] = (),
     author: str = "",
+    live: bool = False,
+    slider: str | Sequence[str] = (),
 ) -> Path:
     """Write a report of a result as one self-contained HTML file.
+
+    A live one contains the wing in WebAssembly: its sliders change the scene, and the wing deploys anew in the browser.
 
     Parameters
     ----------
@@ -86,6 +94,12 @@ def report(
         requirements in addition to those of the result, such as "latch_rate.HL1 < 15 deg/s"
     author : str
         author in the title block; by default the user name of git
+    live : bool
+        add the wing as one FMU with sliders, in place of results to compare with in the view; needs the extra
+        `platforms`
+    slider : str or sequence of str
+        keys of the scene and their ranges, such as "hinge_line.HL1.motor.stowed=1.2..2.4 N.m", or
+        "friction.coefficient*=0.5..2" for factors; by default motors, friction, dampers and latches
 
     Returns
     -------
@@ -102,8 +116,6 @@ def report(
     >>> result = fanfold.simulate("amos3", rigid="all")
     >>> fanfold.report(result, "amos3.html")
     """
-    from ..views.report.report import report as html
-
     first = opened(result)
     others = [opened(one) for one in _listed(other)]
     if path is None and first.path is None:
@@ -114,9 +126,7 @@ def report(
     files = {one.path.resolve() for one in (first, *others) if one.path is not None}
     if target.resolve() in files:
         raise ResultError(f"{target}: this is the result itself and would be lost; name another file")
-    text = (
-        html(first, others, frames, listed(require), author).encode(errors="replace").decode()
-    )  # names of files may be no text
+    text = page_of(first, others, frames, require, author, live, slider)
     part = target.with_name(f"{target.name}.part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -126,6 +136,57 @@ def report(
             part.unlink(missing_ok=True)
         raise ResultError(f"{target}: the report cannot be written ({reason(error)})") from None
     return target
+
+
+def live(
+    scene: SceneLike,
+    path: OutputFile | None = None,
+    *,
+    rigid: Names = (),
+    flexible: Names = (),
+    until: Duration | None = None,
+    tolerance: Tolerance | None = None,
+    slider: str | Sequence[str] = (),
+    require: str | Sequence[str] = (),
+    author: str = "",
+    progress: bool | Progress | None = None,
+) -> Path:
+    """Simulate a scene and write a live report: sliders change the scene, and the wing deploys anew in the browser.
+
+    The page contains everything and needs no network.
+
+    Parameters
+    ----------
+    scene : str, Path or Scene
+        scene, or its name or file
+    path : str or Path, optional
+        HTML file; by default SCENE.live.html
+    rigid, flexible, until, tolerance, require, progress
+        see `simulate`
+    slider, author
+        see `report`
+
+    Returns
+    -------
+    Path
+        HTML file
+
+    Examples
+    --------
+    >>> fanfold.live("amos3", rigid="all", slider="friction.coefficient=0.05..0.2")
+    """
+    loaded = as_scene(scene)
+    result = simulate(
+        loaded,
+        rigid=rigid,
+        flexible=flexible,
+        until=until,
+        tolerance=tolerance,
+        require=require,
+        progress=progress,
+    )
+    target = path or f"{loaded.name}.live.html"
+    return report(result, target, author=author, live=True, slider=slider)
 
 
 def _listed(other: ResultLike | Sequence[ResultLike] | None) -> Sequence[ResultLike]:

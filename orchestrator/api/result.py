@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -24,6 +24,7 @@ from ..scene.builder import Names, listed
 from ..validity.travel import messages
 from .progress import chosen, in_notebook
 from .quantities import Quantity, in_si
+from .report_page import Page, page_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -155,6 +156,13 @@ class Result(Record):
         from ..views.plots import plot_all
 
         return plot_all(self, folder, format, watch)
+
+    def view(self, *, live: bool = False, slider: str | Sequence[str] = (), height: int = 900) -> Page:
+        """The report as a notebook shows it.
+
+        live, slider: see `report`. height: of the page in the notebook, pixels.
+        """
+        return Page(page_of(self, live=live, slider=slider), height)
 
     def to_dataframe(self, components: Names | None = None) -> Any:  # noqa: ANN401 - pandas may be absent
         """Signals as a table (pandas.DataFrame) over time: columns COMPONENT.VARIABLE, of vectors with [1], [2], ...

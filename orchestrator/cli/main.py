@@ -127,5 +127,6 @@ def analyse_group() -> None:
 for _command in (cache, check, compare, docs, export, listing, plot, report, run, study, tune):
     main.add_command(_command.command)
 main.add_command(run.resume_command)
+main.add_command(report.live_command)
 main.add_command(export.body_command)
 main.add_command(export.view_command)

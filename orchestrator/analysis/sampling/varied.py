@@ -121,19 +121,19 @@ def value_at(tree: Tree, key: str) -> object:
 
 def meant(tree: Tree, key: str) -> str:
     """A question for the nearest key that has a value, where there is one that looks alike."""
-    near = nearest(key, list(_keys(tree)))
+    near = nearest(key, list(keys_in(tree)))
     return f" (did you mean {near}?)" if near else ""
 
 
-def _keys(found: object, before: str = "") -> Iterator[str]:
+def keys_in(found: object, before: str = "") -> Iterator[str]:
     """All keys below that have a value, as `value_at` takes them."""
     if isinstance(found, Mapping):
         for step, below in found.items():
-            yield from _keys(below, f"{before}{step}.")
+            yield from keys_in(below, f"{before}{step}.")
     elif isinstance(found, list) and any(isinstance(one, Mapping) for one in found):
         for one in found:
             if isinstance(one, Mapping) and "name" in one:
-                yield from _keys(one, f"{before}{one['name']}.")
+                yield from keys_in(one, f"{before}{one['name']}.")
     else:
         yield before.removesuffix(".")
 

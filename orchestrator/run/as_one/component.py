@@ -180,6 +180,10 @@ class AssembledScene(Component, registered=False):
                 found[f"{name}.{quantity.name}"] = tuple(np.broadcast_to(given, (quantity.size,)).tolist())
         return found
 
+    def components(self) -> Iterator[tuple[str, Component]]:
+        """Components by name, bodies before connections, in the order of their observations."""
+        return ((name, component) for name, (_, component) in zip(self._names, self._parts, strict=True))
+
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Tables of the network and numbers of the master."""
         return self._tables

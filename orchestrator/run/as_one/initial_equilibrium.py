@@ -19,6 +19,7 @@ from ...cosim.settings import Settings
 from ...results.recorder import NoRecorder
 from ..run import as_fmus
 
+REST = ("rest_states", "rest_inputs", "rest_wrenches")
 _HEADER = struct.Struct("<16s8dQ")
 """Of a serialised state, fmus/native/core/saved_state.c: owner, numbers, check sum."""
 _KNOWN, _STATES = 4, 5
@@ -33,18 +34,16 @@ def rest(assembly: Assembly, settings: Settings, order: Order) -> Mapping[str, A
     if not assembly.preload:
         return {}
     assembly = static_start(assembly).assembly
-    with as_fmus(assembly, "native") as participants:
+    with as_fmus(assembly, "native", files=False) as participants:
         network = Network(participants, assembly.links, order)
         master = Master(network, assembly.hinge_lines, NoRecorder(), settings, assembly.events)
         master.initialize(preload=True)
         wrenches = master.coupling.accepted.copy()
         found = master.snapshot()
     names = [participant.name for participant in network.participants]
-    return {
-        "rest_states": np.concatenate([_states(found.states[name]) for name in names]),
-        "rest_inputs": np.concatenate([found.arrays[f"inputs {name}"] for name in names]),
-        "rest_wrenches": wrenches,
-    }
+    states = np.concatenate([_states(found.states[name]) for name in names])
+    inputs = np.concatenate([found.arrays[f"inputs {name}"] for name in names])
+    return dict(zip(REST, (states, inputs, wrenches), strict=True))
 
 
 def _states(serialised: bytes) -> Vector:

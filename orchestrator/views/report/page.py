@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from base64 import b64encode
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from hashlib import sha256
 from html import escape
 from io import BytesIO
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from .scene3d.fragment import script_digest, style
+from .live import part as live
+from .scene3d.fragment import style
 
 _FIGURE_DPI = 120
 _ALLOWED = (
-    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src '{script}'; base-uri 'none'; "
+    "default-src 'none'; img-src data:; style-src {styles}; script-src {scripts}; worker-src blob:; base-uri 'none'; "
     "form-action 'none'"
 )
-"""What a browser lets the page do: nothing but what is inside it, and of scripts its own alone."""
+"""What a browser lets the page do: nothing but what is inside it, and of scripts and styles its own alone."""
+_COMPILES = "'wasm-unsafe-eval'"
+"""Of a page that compiles the WebAssembly inside it; it allows no JavaScript."""
 
 _STYLE = """
 :root { color-scheme: light dark; --ink: #1a1a1a; --soft: #444; --paper: #fff; --line: #ccc; --shade: #f3f4f6;
@@ -66,16 +71,27 @@ details.rest > summary { cursor: pointer; font-weight: 600; }
 
 def page(title: str, body: Iterable[str]) -> str:
     """A whole page."""
+    content = "\n".join(body)
+    look = f"{_STYLE}{style()}{live.style()}"
+    scripts = [_digest(text) for text in re.findall(r"<script>(.*?)</script>", content, re.DOTALL)]
+    if live.MARK in content:
+        scripts.append(_COMPILES)
+    allowed = _ALLOWED.format(styles=_digest(look), scripts=" ".join(scripts) or "'none'")
     return "\n".join(
         (
             '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f'<meta http-equiv="Content-Security-Policy" content="{_ALLOWED.format(script=script_digest())}">',
-            f"<title>{escape(title)}</title>\n<style>{_STYLE}{style()}</style>\n</head>\n<body>",
-            *body,
+            f'<meta http-equiv="Content-Security-Policy" content="{allowed}">',
+            f"<title>{escape(title)}</title>\n<style>{look}</style>\n</head>\n<body>",
+            content,
             "</body>\n</html>\n",
         )
     )
+
+
+def _digest(text: str) -> str:
+    """SHA-256 of a script or a style sheet, as a policy of browsers names it."""
+    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
 
 
 def paragraph(text: str, kind: str = "") -> str:

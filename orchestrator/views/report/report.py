@@ -8,6 +8,7 @@ from subprocess import SubprocessError, run
 
 import tomli_w
 
+from ...analysis.live.model import LiveModel
 from ...analysis.motion.deflection import quiet
 from ...messages import is_note
 from ...results.compare import by_component, cells, compare, end_note, labels
@@ -38,11 +39,13 @@ def report(
     frame_count: int = 6,
     limits: Sequence[str] = (),
     author: str = "",
+    live: LiveModel | None = None,
 ) -> str:
     """The page, as HTML text: what a reader asks first on top, all else folded.
 
     others: results to set against the first; nothing that moves for no frames. limits: requirements in addition to
-    those of the result. author: by default the user of git.
+    those of the result. author: by default the user of git. live: the wing as it runs in the page, in the view and the
+    plots in place of the others.
     """
     from .page import folded, page  # matplotlib takes its time, which --help need not
 
@@ -59,7 +62,11 @@ def report(
     if others:
         compared += _together([result, *others])
     # What moves takes longest, so all that may be wrong with a result is told before.
-    moving = _animation([result, *others[:1]], frame_count)
+    moving = (
+        _animation([result, *others[:1]], frame_count)
+        if live is None
+        else _live(result, found[0], live, frame_count)
+    )
     sections = {
         "Every headline number": every,
         "Events": events,
@@ -214,6 +221,27 @@ def _animation(results: Sequence[Result], count: int) -> Iterator[str]:
         yield plots()
     if found.has_bodies or found.has_curves:
         yield scripts(found)
+
+
+def _live(result: Result, found: Headline, model: LiveModel, count: int) -> Iterator[str]:
+    """Sliders and numbers of a run in the page, then what shows it."""
+    from .animation import frames
+    from .live import part
+    from .page import heading
+    from .scene3d.content import content
+    from .scene3d.fragment import plots, scripts, space
+
+    page_content = content([result], "A", [_file(result)])
+    data = part.data(result, found, model, page_content.data)
+    yield heading("A run of your own")
+    yield part.elements(model)
+    if page_content.has_bodies:
+        yield heading("Deployment")
+        yield space(frames(result, count), page_content)
+    yield heading("Over time")
+    yield plots()
+    yield data
+    yield scripts(page_content, part.script())
 
 
 def _figures(result: Result) -> Iterator[str]:

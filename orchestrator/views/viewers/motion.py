@@ -108,8 +108,7 @@ def _farthest(flat: Vector) -> float:
 
 def _scaled(found: Motion) -> Motion:
     """The same with amplitudes of at most 1."""
-    largest = np.abs(found.amplitudes).max(axis=0, initial=0.0)
-    scale = np.where(largest > 0.0, largest, 1.0)
+    scale = scales_of(found.amplitudes)
     return Motion(
         found.time, found.nodes, found.forms * scale, found.position, found.orientation, found.amplitudes / scale,
         found.missed,
@@ -126,6 +125,13 @@ def from_least(found: Motion) -> Motion:
         forms=found.forms * scale,
         amplitudes=(found.amplitudes - least) / scale,
     )
+
+
+def scales_of(amplitudes: Vector) -> Vector:
+    """Largest magnitude of each amplitude (M,) over all rows (N, M); 1 where it is zero."""
+    largest = np.abs(amplitudes).max(axis=0, initial=0.0)
+    found: Vector = np.where(largest > 0.0, largest, 1.0)
+    return found
 
 
 def _continuous(orientation: Vector) -> Vector:

@@ -15,7 +15,7 @@ from components.flexible.stress import von_mises
 from ....assembly import Geometry
 from ....results.result import Result
 from ...placement import placed
-from ...viewers.motion import Motion, Rows, motion
+from ...viewers.motion import Motion, Rows, motion, scales_of
 from ...viewers.stressed import Plate, plate
 from ...viewers.surface import Indices, surface
 from ...viewers.thinning import straight
@@ -127,6 +127,8 @@ def _body(
         "orientation": single(fine.orientation),
         "amplitudes": short(fine.amplitudes),
         "scales": fine.missed is None,
+        "modes": used.tolist(),
+        "mode_scales": _mode_scales(result, name, rows)[used].tolist() if fine.missed is None else [],
         "stress": stress,
     }
     off = tolerance + _rounding(fine)
@@ -160,6 +162,13 @@ def _largest(sizes: Vector, left_out: float) -> Indices:
 
 def _with_forms(found: Motion, used: Indices) -> Motion:
     return replace(found, forms=found.forms[:, :, used], amplitudes=found.amplitudes[:, used])
+
+
+def _mode_scales(result: Result, name: str, rows: Rows) -> Vector:
+    """What amplitudes (M,) of modes are multiples of."""
+    if not result.has(name, "modal_coordinate"):
+        return np.zeros(0)
+    return scales_of(result.signal(name, "modal_coordinate").reshape(result.time.size, -1)[rows])
 
 
 def _rounding(found: Motion) -> float:

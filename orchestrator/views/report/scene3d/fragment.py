@@ -6,7 +6,6 @@ import json
 from base64 import b64encode
 from collections.abc import Sequence
 from functools import cache
-from hashlib import sha256
 from html import escape
 from pathlib import Path
 
@@ -50,21 +49,17 @@ def plots() -> str:
     return _text("plots.html")
 
 
-def scripts(content: Content) -> str:
-    """The data, and what shows it."""
+def scripts(content: Content, live: str = "") -> str:
+    """The data, and what shows it; live: what runs the wing in the page, which comes before the page's start."""
     return f"""<script type="application/json" id="view-data">{safe_json(content.data)}</script>
-<script>{_script()}</script>"""
-
-
-def script_digest() -> str:
-    """SHA-256 of the script, as a policy of browsers names it: that one runs, and no other."""
-    return f"sha256-{b64encode(sha256(_script().encode()).digest()).decode()}"
+<script>{_script(live)}</script>"""
 
 
 @cache
-def _script() -> str:
+def _script(live: str) -> str:
     shaders = {path.name: path.read_text(encoding="utf-8") for path in sorted(_FOLDER.glob("*.glsl"))}
-    body = "\n".join(_text(f"{name}.js") for name in _SCRIPTS)
+    *parts, start = (_text(f"{name}.js") for name in _SCRIPTS)
+    body = "\n".join([*parts, live, start])
     return f"""
 (() => {{
 "use strict";

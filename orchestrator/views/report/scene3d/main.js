@@ -214,8 +214,8 @@ class View {
   }
 }
 
-/** Play, scrub, speed and events. */
-const prepareClock = (clock, events) => {
+/** Play, scrub and speed. */
+const prepareClock = clock => {
   const [play, slider, told] = [byId("view-play"), byId("view-time"), byId("view-clock")];
   [slider.min, slider.max] = [clock.first, clock.last];
   const follow = () => {
@@ -230,12 +230,20 @@ const prepareClock = (clock, events) => {
   byId("view-speed").addEventListener("change", event => { clock.speed = Number(event.target.value); });
   byId("view-speed").parentElement.hidden = clock.unit !== "s";
   addEventListener("beforeprint", () => clock.stop());
-  for (const event of events.slice(0, 24)) {
+  follow();
+};
+
+/** Buttons that go to the events of all results. */
+const prepareEvents = (clock, results) => {
+  const events = results.flatMap(result => result.events.map(event => ({
+    ...event, text: results.length > 1 ? `${result.letter}: ${event.text}` : event.text,
+  })));
+  byId("view-events").replaceChildren();
+  for (const event of events.sort((a, b) => a.time - b.time).slice(0, 24)) {
     const button = element("button", byId("view-events"), `${event.text}, ${event.time.toFixed(3)} s`);
     button.type = "button";
     button.addEventListener("click", () => clock.set(event.time));
   }
-  follow();
 };
 
 const preparePlots = plots => {
@@ -259,24 +267,30 @@ const showStills = reason => {
 
 const start = () => {
   const content = JSON.parse(byId("view-data").textContent);
+  const isLive = byId("live-data") !== null;
+  if (isLive) {
+    content.results = withRun(content.results);
+    byId("view-arrangement").value = "over";
+  }
   const clocks = content.results.map(result => decoded(result.clock));
   const theme = new Theme();
   const clock = new Clock(Math.min(...clocks.map(one => one[0])), Math.max(...clocks.map(one => one[one.length - 1])), content.unit);
-  const events = content.results.flatMap(result => result.events.map(event => ({
-    ...event, text: content.results.length > 1 ? `${result.letter}: ${event.text}` : event.text,
-  })));
+  let view = null;
   if (byId("view")) {
     try {
-      const view = new View(content, clock, theme);
+      view = new View(content, clock, theme);
       view.canvas.addEventListener("webglcontextlost", () => showStills("the browser has freed its memory"));
-      prepareClock(clock, events.sort((a, b) => a.time - b.time));
+      prepareClock(clock);
+      prepareEvents(clock, content.results);
     } catch (error) {
       showStills(error.message);
     }
   }
   if (!byId("plots")) return;
   byId("plots").hidden = byId("view-help").hidden = false;
-  preparePlots(new Plots(byId("plots-list"), content, clock, theme));
+  const plots = new Plots(byId("plots-list"), content, clock, theme);
+  preparePlots(plots);
+  if (isLive) startLive(view, plots, clock);
 };
 
 start();

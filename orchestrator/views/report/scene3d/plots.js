@@ -22,6 +22,8 @@ class Curve {
   constructor(content, clock, number, result, letter, colour) {
     const rows = content.rows && decoded(content.rows);
     this.letter = letter; // of its result, empty of one alone
+    this.result = result;
+    this.name = content.label;
     this.label = `${letter}${content.label}`;
     this.values = decoded(content.values);
     this.clock = rows ? Float64Array.from(rows, row => clock[row]) : clock;
@@ -82,6 +84,7 @@ const element = (kind, parent, text = "") => {
 /** One plot: a legend that reads values, the curves, and the cursor over them. */
 class Plot {
   constructor(title, labelledUnit, curves, plots, isOpen) {
+    this.title = title;
     this.unit = labelledUnit;
     this.curves = curves;
     this.plots = plots;
@@ -271,7 +274,7 @@ class Plots {
     this.whole = [clock.first, clock.last > clock.first ? clock.last : clock.first + 1]; // a run of one row has no range
     this.range = [...this.whole];
     this.hovered = null;
-    this.events = content.results.flatMap(result => result.events).sort((a, b) => a.time - b.time);
+    this.results = content.results;
     const clocks = content.results.map(result => decoded(result.clock));
     this.list = this.titles(content).map(([title, unitName], k) => {
       const curves = content.results.flatMap((result, number) => {
@@ -289,6 +292,10 @@ class Plots {
   /** Titles and units of the plots of all results, each once. */
   titles(content) {
     return [...new Map(content.results.flatMap(result => result.plots.map(panel => [panel.title, panel.unit])))];
+  }
+
+  get events() {
+    return this.results.flatMap(result => result.events).sort((a, b) => a.time - b.time);
   }
 
   readAt() {

@@ -134,6 +134,7 @@ class Browser:
         if method == "Network.requestWillBeSent" and content["request"]["url"].partition(":")[0] not in (
             "data",
             "file",
+            "blob",
         ):
             self.told.append(content["request"]["url"])
         return message
