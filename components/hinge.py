@@ -284,10 +284,10 @@ class Hinge(Connection[Parameters, State, Commands]):
     def _loads(
         c: Constants, old: State, loads: StiffLoads, driving: tuple[float, float], h: float
     ) -> tuple[MidStepSlope, ...]:
-        """Loads with one step more; that of the latch begins where it engages."""
+        """Loads with one step more; that of the latch begins where it engages, and ends where it lets go."""
         *bushing, latch, rest = old.loads
-        if old.latched and c.latches:
-            latch = latch.after(loads.latch.force, loads.latch.slope, h)
+        is_engaged = old.latched and c.latches
+        latch = latch.after(loads.latch.force, loads.latch.slope, h) if is_engaged else NO_LOADS[-2]
         added = zip(bushing, loads.bushing, strict=True)
         return (*(b.after(load.force, load.slope, h) for b, load in added), latch, rest.after(*driving, h))
 
