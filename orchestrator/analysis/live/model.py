@@ -35,10 +35,10 @@ from ..sampling.varied import Settings
 from ..stress.model import scene_tree
 from .sliders import LiveError, Slider, sliders
 
-_NODES = 3, 5, 9, 17, 33
+_NODES = 2, 3, 5, 9, 17, 33
 """Values of a slider at which the scene is assembled: Chebyshev nodes, each set within the next."""
 _FALLS = 0.5
-"""Part of its error that interpolation of a smooth function has left, at the most, with twice as many nodes."""
+"""Part of its error that interpolation of a smooth function has left, at the most, with twice as many intervals."""
 _NARROWED = 3
 """Times that an end of a usual range moves half the way to the value of the scene, where the scene refuses it."""
 _GOLDEN = 0.618034
@@ -118,6 +118,7 @@ def nodes(slider: Slider, count: int) -> Vector:
     """Chebyshev nodes (count,) of a slider's range, from high to low."""
     share = 0.5 + 0.5 * np.cos(np.pi * np.arange(count) / (count - 1))
     found: Vector = slider.low + (slider.high - slider.low) * share
+    found[[0, -1]] = slider.high, slider.low
     return found
 
 
@@ -200,13 +201,16 @@ def live_model(
     for one in sliders(texts, maker.tree):
         watch(one.name)
         try:
-            wide, changed = (one, _moved(maker, one, form)) if one.is_chosen else _widest(maker, one, form)
+            samples = _Samples(maker, one, form)
+            if not one.is_chosen:
+                samples.narrow()
+            changed = _moved(samples, maker.tolerance)
         except FanfoldError as error:
             if one.is_chosen:
                 raise
             dropped.append(str(error))
         else:
-            kept.append(wide)
+            kept.append(samples.slider)
             moved.append(changed)
     if not kept:
         raise LiveError(
@@ -241,66 +245,70 @@ class _Form:
         return content.tobytes()
 
 
-def _widest(maker: Maker, slider: Slider, form: _Form) -> tuple[Slider, Moved]:
-    """A usual slider and what it moves, over as wide a range as the model follows."""
-    slider = _narrowed(maker, slider)
-    for _ in range(_NARROWED):
-        with suppress(FormError):
-            return slider, _moved(maker, slider, form)
-        slider = slider.between(*(0.5 * (slider.start + end) for end in (slider.low, slider.high)))
-    return slider, _moved(maker, slider, form)
+class _Samples:
+    """Numbers (N,) of the data at values of a slider, each assembled once; those of the scene are known."""
 
+    def __init__(self, maker: Maker, slider: Slider, form: _Form) -> None:
+        self._maker, self.slider, self.form = maker, slider, form
+        self._rows: dict[float, Vector] = {
+            slider.start: np.nan_to_num(form.numbers, nan=0.0, posinf=0.0, neginf=0.0)
+        }
 
-def _narrowed(maker: Maker, slider: Slider) -> Slider:
-    """A usual slider between values that the scene accepts; LiveError where there are none."""
-    ends = []
-    for end in (slider.low, slider.high):
+    def at(self, value: float) -> Vector:
+        """LiveError where the scene refuses a value, or has another form there."""
+        if value not in self._rows:
+            self._rows[value] = _numbers(self._maker, self.slider, self.form, value)
+        return self._rows[value]
+
+    def narrow(self) -> None:
+        """Bring the ends of a usual slider to values that the scene accepts; LiveError where there are none."""
+        one = self.slider
+        low, high = self._end(one.low), self._end(one.high)
+        if low == high:
+            raise LiveError(f"{one.label}: the scene accepts no other values near {one.text(one.start)}")
+        self.slider = one.between(low, high)
+
+    def _end(self, end: float) -> float:
         for _ in range(_NARROWED):
-            with suppress(FanfoldError):
-                maker.scene(slider.settings(maker.tree, end))
-                break
-            end = 0.5 * (end + slider.start)
-        else:
-            end = slider.start
-        ends.append(end)
-    if ends[0] == ends[1]:
-        raise LiveError(f"{slider.label}: the scene accepts no other values near {slider.text(slider.start)}")
-    return slider.between(*ends)
+            with suppress(LiveError):
+                self.at(end)
+                return end
+            end = 0.5 * (end + self.slider.start)
+        return self.slider.start
 
 
-def _moved(maker: Maker, slider: Slider, form: _Form) -> Moved:
+def _moved(samples: _Samples, tolerance: float) -> Moved:
     """What a slider moves, at as many nodes as numbers of the scene need; LiveError where they have no end.
 
-    Numbers of the static equilibrium come from an iteration, whose rounding no polynomial follows.
+    Fewer nodes are checked at those that come next, and at the value of the scene. Numbers of the static equilibrium
+    come from an iteration, whose rounding no polynomial follows.
     """
-    rows: dict[float, Vector] = {}
-    values, last = np.zeros((0, form.numbers.size)), inf
+    slider, form = samples.slider, samples.form
+    coarse, last = None, inf
     for count in _NODES:
-        coarse, at = Moved(np.arange(form.numbers.size), values), nodes(slider, count).tolist()
-        new = [value for value in at if value not in rows]
-        rows |= {value: _numbers(maker, slider, form, value) for value in new}
-        values = np.array([rows[value] for value in at])
-        off = (
-            max(_off(coarse, slider, value, rows[value], form) for value in new)
-            if len(coarse.values)
-            else inf
-        )
-        if off <= maker.tolerance:
-            break
-        if off > _FALLS * last or count == _NODES[-1]:
-            raise LiveError(
-                f"{slider.label}: the model jumps or bends between {slider.low:g} and {slider.text(slider.high)}, so "
-                "that it cannot slide; choose a smaller range, or use `fanfold study`"
-            )
-        last = off
-    places = np.flatnonzero(np.ptp(values, axis=0))
+        at = nodes(slider, count).tolist()
+        fine = Moved(np.arange(form.numbers.size), np.array([samples.at(value) for value in at]))
+        if coarse is not None:
+            off = max(_off(coarse, slider, value, samples.at(value), form) for value in (*at, slider.start))
+            if off <= tolerance:
+                break
+            if off > _FALLS * last or count == _NODES[-1]:
+                raise LiveError(
+                    f"{slider.label}: the model jumps or bends between {slider.low:g} and "
+                    f"{slider.text(slider.high)}, so that it cannot slide; choose a smaller range, or use "
+                    "`fanfold study`"
+                )
+            last = off if len(coarse.values) > _NODES[0] else inf
+        coarse = fine
+    assert coarse is not None
+    places = np.flatnonzero(np.ptp(coarse.values, axis=0))
     if not places.size:
         raise LiveError(f"{slider.label} changes nothing in this scene; name another key")
     if places.size > _LARGEST:
         raise LiveError(
             f"{slider.label} changes {places.size} numbers of the model, which are too many for a page"
         )
-    return Moved(places, values[:, places])
+    return Moved(places, coarse.values[:, places])
 
 
 def _off(moved: Moved, slider: Slider, value: float, numbers: Vector, form: _Form) -> float:
@@ -327,7 +335,7 @@ def _numbers(maker: Maker, slider: Slider, form: _Form, value: float) -> Vector:
 def _verified(model: LiveModel, maker: Maker, headline: Headline) -> LiveModel:
     """The model, with how changes of several sliders combine; LiveError where its runs are not those of the scene.
 
-    All sliders are moved at once, to two values of each.
+    All sliders are moved at once, to two values of each; the scene and the model run at the first.
     """
     steps = np.arange(1, len(model.sliders) + 1)
     shares = [(steps * _GOLDEN) % 1.0, 1.0 - (steps * _GOLDEN) % 1.0]
@@ -342,14 +350,13 @@ def _verified(model: LiveModel, maker: Maker, headline: Headline) -> LiveModel:
             settings |= one.settings(maker.tree, value)
         true.append(maker.data(settings))
     model = replace(model, products=_products(model, values, true))
-    for some, data in zip(values, true, strict=True):
-        exact, found = model.outputs(data), model.outputs(model.data_at(some))
-        if name := next(_unlike(exact, found, maker.tolerance, headline), ""):
-            keys = ", ".join(one.label for one in model.sliders)
-            raise LiveError(
-                f"{maker.name}: {keys} do not slide together: {name} is {found[name]:.6g} in place of "
-                f"{exact[name]:.6g}; name fewer keys by --slider, or smaller ranges"
-            )
+    exact, found = model.outputs(true[0]), model.outputs(model.data_at(values[0]))
+    if name := next(_unlike(exact, found, maker.tolerance, headline), ""):
+        keys = ", ".join(one.label for one in model.sliders)
+        raise LiveError(
+            f"{maker.name}: {keys} do not slide together: {name} is {found[name]:.6g} in place of "
+            f"{exact[name]:.6g}; name fewer keys by --slider, or smaller ranges"
+        )
     return model
 
 

@@ -53,7 +53,7 @@ def report(
     found = [_judged(one, limits) for one in (result, *others[:1])]
     opening, numbers = [*_opening(result, title, author, found)], [*_numbers(found)]
     every, events = [*_every_number(result, found[0])], [*_events(result)]
-    figures = [*_figures(result)]
+    figures = [*_figures(result)] if live is None else []  # the plots of the page show every run
     compared = [
         part
         for k, other in enumerate(others)
