@@ -9,7 +9,8 @@ about the hinge line and, with $F_i$, along and about all axes, with the pin's r
 to the line (Bagnoli 2007, equation 2.2). The latch torque begins with the latch-up. Below its largest torque friction
 sticks, by an elastic deflection; with the smooth law it falls with the rate.
 
-Spherical, revolute, cylindrical, fixed and bushing joints are settings of the six stiffnesses. The wrench
+Spherical, revolute, cylindrical, fixed and bushing joints are settings of the six stiffnesses. With a clearance they
+act on what is beyond it: along and about the line either way, across it in any direction. The wrench
 is the mean over the communication step, from the poses at its two ends ("mean"), or the end-point wrench
 of the current inputs for hosts that step explicitly ("endpoint"). Of order 4 a mean wrench has a slope, linear in
 the moments of the ports' velocities.
@@ -47,6 +48,8 @@ from .hinge_parts.loads import (
 from .hinge_parts.state import (
     Constants,
     StiffLoads,
+    bare,
+    clearances_of,
     coordinates_of,
     mean_swing,
     motions_of,
@@ -162,10 +165,13 @@ class Hinge(Connection[Parameters, State, Commands]):
         stiffness, damping = one.latch_stiffness, one.latch_damping
         if self._locks:
             stiffness, damping = one.lock_stiffness, one.lock_damping
+        clearances = clearances_of(one)
+        loose = {i for clearance in clearances for i in clearance.members}
         return Constants(
             p=one,
-            stiffness=one.stiffness,
-            damping=one.damping,
+            stiffness=bare(one.stiffness, loose),
+            damping=bare(one.damping, loose),
+            clearances=clearances,
             motor=self._tables.get("motor")
             or Linear(one.motor_stiffness, one.motor_wind_up, one.motor_constant_torque),
             harness=self._tables.get("harness") or Linear(0.0),

@@ -89,6 +89,15 @@ def restow(found, folder):
     assert abs(attitude[-1]) < 1.0
 
 
+def loose_hinges(found, folder):
+    """Conservation through all knocks; 2 % damp the swing that the motor's work makes, beside its last 0.6 N.m."""
+    run, work = found["run"], 0.5 * (2.0 + 0.6) * np.pi / 2.0
+    swing = np.sqrt(2.0 * 3000.0 * work) * np.exp(-0.01 * np.pi)
+    assert run.headline.energy_residual < 1e-4
+    assert run.headline.latch_torque_peaks["HL"] == pytest.approx(swing + 0.6, rel=0.01)
+    assert found["force"].max() > 300.0
+
+
 def over_centre_spring(found, folder):
     """Closed form: the energy of the spring becomes that of 0.07 kg.m2, or of twice that; steps leave 2e-4."""
 

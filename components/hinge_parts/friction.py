@@ -117,5 +117,8 @@ def starting_deflection(c: Constants, angle: float) -> float:
         return 0.0
     none = (0.0, 0.0, 0.0)
     most = _largest(c, _magnitudes(c, False, none, (0.0, 0.0), angle), 0.0)
-    driving = c.motor.value(angle) + c.harness.value(angle) - c.stiffness[3] * (angle - c.p.aligned_angle)
+    turned = angle - c.p.aligned_angle
+    driving = c.motor.value(angle) + c.harness.value(angle) - c.stiffness[3] * turned
+    at_rest, turn = (0.0,) * 6, (0.0, 0.0, 0.0, turned, 0.0, 0.0)
+    driving += sum(one.force(turn, at_rest)[0] for one in c.clearances if 3 in one.members)
     return within(driving, most) / c.p.presliding_stiffness

@@ -11,7 +11,7 @@ from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import conjugate_torque
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion, damped_load
 from .friction import instant_friction, step_friction
-from .state import Constants, Held, Loads, StiffLoads, mean_swing, shifted
+from .state import Constants, Held, Loads, StiffLoads, from_aligned, mean_swing, shifted
 from .variables import State
 
 NO_LOAD = Loads((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, Presliding(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
@@ -20,16 +20,14 @@ NO_LOAD = Loads((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, Presliding(0.0, 0.0, 0.0)
 
 def stiff_loads(c: Constants, old: State, motions: list[StepMotion]) -> StiffLoads:
     """Mean loads of bushing and latch."""
-    bushing = tuple(
-        stiff_load(
-            c.stiffness[i],
-            c.damping[i],
-            shifted(motion, c.p.aligned_angle) if i == 3 else motion,
-            is_paired=c.paired,
-        )
-        for i, motion in enumerate(motions)
-    )
-    return StiffLoads(bushing, mean_latch_load(c, old, motions[3]))
+    aligned = [*motions[:3], shifted(motions[3], c.p.aligned_angle), *motions[4:]]
+    each = zip(c.stiffness, c.damping, aligned, strict=True)
+    bushing = [stiff_load(stiffness, damping, m, is_paired=c.paired) for stiffness, damping, m in each]
+    for clearance in c.clearances:
+        loads = clearance.loads(aligned, is_paired=c.paired)
+        for i, load in zip(clearance.members, loads, strict=True):
+            bushing[i] = load
+    return StiffLoads(tuple(bushing), mean_latch_load(c, old, motions[3]))
 
 
 def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], loads: StiffLoads) -> Loads:
@@ -110,12 +108,14 @@ def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
 
 def held_at(c: Constants, s: State) -> Held:
     """What bushing and latch exert at one instant, by their laws from coordinates and rates."""
-    q, w = list(s.coordinates), s.rates
-    q[3] -= c.p.aligned_angle
-    latch = 0.0
+    q, w, latch = from_aligned(c, s.coordinates), s.rates, 0.0
     if s.latched and c.latches:
         latch = c.latch.value(s.angle - s.latched_angle) + -_latch_damping(c, s) * w[3]
-    return Held(tuple(-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)), latch)
+    bushing = [-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)]
+    for clearance in c.clearances:
+        for i, force in zip(clearance.members, clearance.force(q, w), strict=True):
+            bushing[i] = force
+    return Held(tuple(bushing), latch)
 
 
 def recorded(c: Constants, s: State) -> Held:
@@ -154,6 +154,9 @@ def instant_loads(c: Constants, s: State, held: Held) -> Loads:
     if s.holding:
         twist -= c.p.hold_stiffness * (s.angle - s.hold_angle)
     damping = sum(d * v * v for d, v in zip(c.damping, w, strict=True))
+    if c.clearances:
+        aligned = from_aligned(c, q)
+        damping += sum(clearance.heat(aligned, w) for clearance in c.clearances)
     return Loads(
         force,
         conjugate_torque(twist, (load[4], load[5]), (q[4], q[5])),
@@ -176,9 +179,9 @@ def driving_energy(c: Constants, angle: float) -> float:
 
 def held_energy(c: Constants, s: State) -> float:
     """Energy in bushing, latch, friction that sticks and hold, which is lost where the joint fails; not negative."""
-    q = list(s.coordinates)
-    q[3] -= c.p.aligned_angle
+    q = from_aligned(c, s.coordinates)
     energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
+    energy += sum(clearance.potential(q) for clearance in c.clearances)
     energy += latch_energy(c, s)
     energy += 0.5 * c.p.presliding_stiffness * s.presliding * s.presliding
     if s.holding:

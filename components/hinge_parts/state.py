@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
+from ..contract.component import ComponentError
 from ..contract.frames import Vector3
+from ..numerics.clearance import Clearance
 from ..numerics.laws import Law
 from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import Passage, Pose, Rates
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion
-from .variables import Parameters, Six, State
+from .variables import CLEARANCES, Parameters, Six, State
 
 
 class Constants(NamedTuple):
     """Parameters, laws, and what follows from the structure.
 
-    stiffness, damping: of the six coordinates in order. play: deflections (rad) of the latch between which it has no
-    torque. latch_stiffness, latch_damping: those of a lock where the latch
-    is one. paired: whether loads are of order 4.
+    stiffness, damping: of the six coordinates in order, 0 where clearances have theirs. play: deflections (rad) of the
+    latch between which it has no torque. latch_stiffness, latch_damping: those of a lock where the latch is one.
+    paired: whether loads are of order 4.
     """
 
     p: Parameters
     stiffness: Six
     damping: Six
+    clearances: tuple[Clearance, ...]
     motor: Law
     harness: Law
     hysteresis: Law
@@ -33,6 +37,28 @@ class Constants(NamedTuple):
     latch_stiffness: float
     latch_damping: float
     paired: bool
+
+
+def clearances_of(p: Parameters) -> tuple[Clearance, ...]:
+    """Clearances of a joint, each of the coordinates that have stiffness."""
+    found = []
+    for name, members in CLEARANCES:
+        size, held = float(getattr(p, name)), tuple(i for i in members if p.stiffness[i] > 0.0)
+        if size == 0.0:
+            continue
+        if not held:
+            raise ComponentError(f"{name} is {size:g}, but the joint has no stiffness there; give it some")
+        first, *others = ((p.stiffness[i], p.damping[i]) for i in held)
+        if others and others != [first]:
+            raise ComponentError(f"{name} needs equal stiffness, and equal damping, along both cross axes")
+        found.append(Clearance(held, size, *first))
+    return tuple(found)
+
+
+def bare(values: Six, loose: Collection[int]) -> Six:
+    """The values, 0 of coordinates that clearances have."""
+    x, y, z, twist, *swing = (0.0 if i in loose else value for i, value in enumerate(values))
+    return (x, y, z, twist, swing[0], swing[1])
 
 
 class Loads(NamedTuple):
@@ -82,6 +108,12 @@ def motions_of(old: State, new: State, moments: Six, h: float) -> list[StepMotio
 def passage_of(old: State, new: State) -> Passage:
     """Frame and gap at both ends of a step."""
     return Passage(old.frame, new.frame, old.gap, new.gap)
+
+
+def from_aligned(c: Constants, coordinates: Six) -> Six:
+    """The coordinates with the angle counted from where the axes of both ports coincide."""
+    x, y, z, angle, *swing = coordinates
+    return (x, y, z, angle - c.p.aligned_angle, swing[0], swing[1])
 
 
 def shifted(motion: StepMotion, origin: float) -> StepMotion:

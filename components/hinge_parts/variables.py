@@ -33,6 +33,14 @@ NO_LOADS: tuple[MidStepSlope, ...] = (MidStepSlope.starting(0.0),) * 8
 OUTPUTS = (LATCH_DISTANCE, LATCHED)
 """What a master watches, beside the wrenches on both ports."""
 
+CLEARANCES = (
+    ("axial_clearance", (0,)),
+    ("radial_clearance", (1, 2)),
+    ("twist_clearance", (3,)),
+    ("cross_clearance", (4, 5)),
+)
+"""Clearances by name, with the coordinates that share each."""
+
 
 class Parameters(NamedTuple):
     """All tunable but the order; stiffness and damping along and about the hinge line, then the two cross axes."""
@@ -45,6 +53,10 @@ class Parameters(NamedTuple):
     ]
     rotational_stiffness: Annotated[Vector3, tunable("N.m/rad", "Stiffness about the same axes", 0.0, 0.0)]
     rotational_damping: Annotated[Vector3, tunable("N.m.s/rad", "Damping about the same axes", 0.0, 0.0)]
+    axial_clearance: Annotated[float, tunable("m", "Play either way along the hinge line", 0.0, 0.0)]
+    radial_clearance: Annotated[float, tunable("m", "Play of the pin across the line, any way", 0.0, 0.0)]
+    twist_clearance: Annotated[float, tunable("rad", "Play of the bushing either way about it", 0.0, 0.0)]
+    cross_clearance: Annotated[float, tunable("rad", "Play about the cross axes, any way", 0.0, 0.0)]
     aligned_angle: Annotated[float, tunable("rad", "Hinge angle where the axes of both ports coincide")]
     stowed_angle: Annotated[float, tunable("rad", "Hinge angle of the stowed configuration")]
     motor_stiffness: Annotated[float, tunable("N.m/rad", "Rate of the motorisation spring", 0.0, 0.0)]

@@ -198,9 +198,10 @@ def share_beyond(play: tuple[float, float], s0: float, s1: float) -> float:
     low, high = play
     if low == high:
         return 1.0
-    if abs(s1 - s0) > LEAST_CHANGE:
-        return 1.0 - (min(max(s1, low), high) - min(max(s0, low), high)) / (s1 - s0)
-    return 0.0 if low < 0.5 * (s0 + s1) < high else 1.0
+    within = min(max(s1, low), high) - min(max(s0, low), high)
+    if s0 == s1 or within == s1 - s0:
+        return 0.0 if low < 0.5 * (s0 + s1) < high else 1.0
+    return 1.0 - within / (s1 - s0)
 
 
 def cubic_step(s: float) -> float:

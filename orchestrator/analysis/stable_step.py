@@ -3,21 +3,25 @@
 Between two communication points bodies move exactly under wrenches that connections returned for the point before
 the first, as where a master lets all FMUs step side by side and exchanges values afterwards (Jacobi); a master that
 lets connections answer in between bears a little more. The linear model where a run begins decides, with lines
-free and with lines latched; friction is no part of it. Growth is taken to be monotone in the step.
+free and with lines latched, and with joints beyond their play; friction is no part of it. Growth is taken to be
+monotone in the step.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left
+from dataclasses import replace
 
 import numpy as np
 import scipy
 
 from components.contract.component import Vector
 from components.contract.roles import LATCH_COMMAND
+from components.hinge import Hinge
+from components.hinge_parts.variables import CLEARANCES
 from components.numerics.oscillators import propagator
 
-from ..assembly import Assembly
+from ..assembly import Assembly, Part
 from ..assembly.statics.linear_model import LinearModel, linearise
 from ..assembly.statics.mechanism import Mechanism
 
@@ -30,7 +34,9 @@ def largest_stable_step(assembly: Assembly) -> float | None:
 
     What grows by itself, as what motors drive, may. assembly: one whose connections answer with end-point wrenches.
     """
-    mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
+    mechanism = Mechanism(
+        tuple(_at_its_walls(part) for part in assembly.parts), assembly.links, assembly.base
+    )
     hinges = [hinge for line in assembly.hinge_lines if line.latches for hinge in line.hinges]
     models = [linearise(mechanism)]
     if hinges:
@@ -44,6 +50,14 @@ def largest_stable_step(assembly: Assembly) -> float | None:
     steps = [h for h in STEPS if h <= assembly.largest_step]
     first = bisect_left(steps, True, key=lambda h: not grows(h))
     return steps[first] if first < len(steps) else None
+
+
+def _at_its_walls(part: Part) -> Part:
+    """A joint as it is beyond its play, where it is stiffest."""
+    if part.kind != Hinge.kind:
+        return part
+    plays = {name for name, _ in CLEARANCES}
+    return replace(part, start={name: value for name, value in part.start.items() if name not in plays})
 
 
 def own_growth(model: LinearModel) -> float:

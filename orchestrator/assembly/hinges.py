@@ -259,16 +259,14 @@ def _hysteresis(loops: Sequence[TorqueLoop]) -> dict[str, tuple[float, ...]]:
 
 
 def _bushing(joint: Joint, hinge: Hinge, time: float) -> dict[str, float | Vector3]:
-    """Stiffness, and damping in proportion to it by a time (s)."""
-    axial = 0.0 if hinge.kind == "cylindrical" else joint.axial_stiffness
-    cross = 0.0 if hinge.kind == "spherical" else joint.cross_stiffness
-    translational = hinge.translational_stiffness or (axial, joint.radial_stiffness, joint.radial_stiffness)
-    rotational = hinge.rotational_stiffness or (0.0, cross, cross)
+    """Stiffness, damping in proportion to it by a time (s), and clearances."""
+    translational, rotational = hinge.stiffnesses(joint)
     return {
         "translational_stiffness": translational,
         "translational_damping": _scaled(time, translational),
         "rotational_stiffness": rotational,
         "rotational_damping": _scaled(time, rotational),
+        **hinge.clearances(joint),
     }
 
 

@@ -182,7 +182,8 @@ class Scene:
 
         Further keys: stowed_angle, start_angle, start_rate, latch_angle, held, motor, harness, friction_preload,
         presliding, latch, end_stop.
-        Keys of a hinge: kind, translational_stiffness, rotational_stiffness, harness, sensor.
+        Keys of a hinge: kind, translational_stiffness, rotational_stiffness, axial_clearance, radial_clearance,
+        cross_clearance, harness, sensor.
         """
         tables = (
             [{"name": hinge, **_ends(ends)} for hinge, ends in hinges.items()]
@@ -231,7 +232,7 @@ class Scene:
     def joint(self, **keys: object) -> None:
         """Set [joint], stiffnesses of all hinges: axial_stiffness, radial_stiffness, cross_stiffness.
 
-        Further keys: damping_ratio, damping_frequency.
+        Further keys: axial_clearance, radial_clearance, cross_clearance, damping_ratio, damping_frequency.
         """
         self._set("joint", Joint, keys)
 

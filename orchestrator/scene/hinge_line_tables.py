@@ -10,6 +10,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from components.contract.frames import Vector3
 from components.numerics.laws import Law, Linear
 from components.numerics.laws import Table as TorqueTable
 
@@ -17,6 +18,7 @@ from .plausible import Plausible
 from .table import Axis, Name, Table
 from .units import (
     Angle,
+    AngularClearance,
     AngularRate,
     Distance,
     FrictionTorque,
@@ -42,6 +44,7 @@ _ANGLE_ROUND_OFF = 1e-9
 _SAMPLES = 16
 """Of a law between two points of its table; a curve through them errs by 0.6 % of the step between both."""
 _PER_CENT = "If per cent are meant, write %."
+CLEARANCES = ("axial_clearance", "radial_clearance", "cross_clearance")
 HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
 
 
@@ -57,6 +60,12 @@ class Joint(Table):
     """Along the two axes across."""
     cross_stiffness: TurningStiffness = 2e4
     """About the two axes across."""
+    axial_clearance: Distance = 0.0
+    """Play either way along the hinge line; stiffness and damping act beyond it."""
+    radial_clearance: Distance = 0.0
+    """Play of the pin in its hole, in any direction across the line."""
+    cross_clearance: AngularClearance = 0.0
+    """Play in any direction about the two axes across."""
     damping_ratio: Annotated[Ratio, Field(le=1.0)] = 0.05
     """Damping ratio of the mode of a panel on its hinges."""
     damping_frequency: PositiveFrequency = 184.0
@@ -105,6 +114,12 @@ class Hinge(Table):
     """Along the line and the two axes across, in place of those of [joint]."""
     rotational_stiffness: TurningStiffnesses | None = None
     """About the line and the two axes across, in place of those of [joint]."""
+    axial_clearance: Distance | None = None
+    """Play either way along the line, in place of that of [joint]."""
+    radial_clearance: Distance | None = None
+    """Play in any direction across the line, in place of that of [joint]."""
+    cross_clearance: AngularClearance | None = None
+    """Play in any direction about the two axes across, in place of that of [joint]."""
     harness: bool = False
     """Whether it carries the line's harness."""
     sensor: bool = False
@@ -114,6 +129,31 @@ class Hinge(Table):
     def _bushing_is_complete(self) -> Self:
         if self.kind == "bushing" and None in (self.translational_stiffness, self.rotational_stiffness):
             raise ValueError("a bushing needs translational_stiffness and rotational_stiffness")
+        return self
+
+    def stiffnesses(self, joint: Joint) -> tuple[Vector3, Vector3]:
+        """Stiffness along (N/m) and about (N.m/rad) the line and the two axes across."""
+        axial = 0.0 if self.kind == "cylindrical" else joint.axial_stiffness
+        cross = 0.0 if self.kind == "spherical" else joint.cross_stiffness
+        along = self.translational_stiffness or (axial, joint.radial_stiffness, joint.radial_stiffness)
+        return along, self.rotational_stiffness or (0.0, cross, cross)
+
+    def clearances(self, joint: Joint) -> dict[str, float]:
+        """Clearances (m, rad) by name that are not 0; those of [joint] where the hinge has stiffness."""
+        along, about = self.stiffnesses(joint)
+        found = {}
+        for name, held in zip(CLEARANCES, (along[:1], along[1:], about[1:]), strict=True):
+            own = getattr(self, name)
+            if size := own if own is not None else any(held) and getattr(joint, name):
+                found[name] = size
+        return found
+
+    @model_validator(mode="after")
+    def _plays_against_stiffness(self) -> Self:
+        along, about = self.stiffnesses(Joint())
+        for name, held in zip(CLEARANCES, (along[:1], along[1:], about[1:]), strict=True):
+            if getattr(self, name) and not any(held):
+                raise ValueError(f"{name} needs stiffness beyond it, and the hinge has none there")
         return self
 
 

@@ -64,9 +64,16 @@ def _rod(tree: Tree, given: Tree) -> Tree:
 
 
 def _parameters(tree: Tree, preset: str, given: Tree) -> Tree:
-    """Stiffness where none is given, and damping in proportion to what there is, by the time of the scene's joints."""
+    """Stiffness where none is given, and damping in proportion to what there is, by the time of the scene's joints.
+
+    Clearances of the scene's joints are those of directions with stiffness.
+    """
     joint, time = _joint(tree)
     along, about = CONSTRAINED[preset]
+    plays = {
+        "translational": (("axial_clearance", slice(1)), ("radial_clearance", slice(1, 3))),
+        "rotational": (("cross_clearance", slice(1, 3)),),
+    }
     found: Tree = {}
     for name, unit, held, stiffness in (
         ("translational", "N/m", along, joint.radial_stiffness),
@@ -75,7 +82,11 @@ def _parameters(tree: Tree, preset: str, given: Tree) -> Tree:
         own = [share * stiffness for share in held]
         found[f"{name}_stiffness"] = own
         stated = _read(given.get(f"{name}_stiffness"), unit)
-        found[f"{name}_damping"] = [time * k for k in (own if stated is None else stated)]
+        acting = own if stated is None else stated
+        found[f"{name}_damping"] = [time * k for k in acting]
+        for clearance, axes in plays[name]:
+            if getattr(joint, clearance) and any(acting[axes]):
+                found[clearance] = getattr(joint, clearance)
     return found
 
 

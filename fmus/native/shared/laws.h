@@ -102,9 +102,9 @@ static inline real clamped(const double range[2], real s) {
 
 /* Share of the way between two coordinates that lies outside of a play; all of it where there is none. */
 static inline real share_beyond(const double play[2], real s0, real s1) {
-    real change = s1 - s0;
+    const real change = s1 - s0, within = clamped(play, s1) - clamped(play, s0);
     if (play[0] == play[1]) return 1.0;
-    if (fabs(value_of(change)) > LEAST_CHANGE) return 1.0 - (clamped(play, s1) - clamped(play, s0)) / change;
+    if (value_of(change) != 0.0 && value_of(within) != value_of(change)) return 1.0 - within / change;
     const double middle = value_of(0.5 * (s0 + s1));
     return play[0] < middle && middle < play[1] ? 0.0 : 1.0;
 }

@@ -28,6 +28,13 @@ def test_tools_that_do_not_iterate_bear_it():
     assert largest_stable_step(workbench()) == 5e-5
 
 
+def test_joints_with_play_are_as_stiff_as_at_their_walls():
+    """Definition: the step of joints without play, though within it they have no stiffness."""
+    play = {"axial_clearance": "1 mm", "radial_clearance": "1 mm", "cross_clearance": "1 mrad"}
+    loose = fanfold.load("workbench", (), {f"joint.{name}": size for name, size in play.items()})
+    assert largest_stable_step(assemble(loose.check(), {"all"}, (), "endpoint")) == 5e-5
+
+
 @pytest.mark.parametrize(("factor", "stays"), [(1.0, True), (10.0, False)])
 def test_our_own_master_without_iteration_agrees(factor, stays):
     """Against the Jacobi master: the panel stays at its place within 0.03 s, or is gone."""

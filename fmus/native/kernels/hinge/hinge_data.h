@@ -36,6 +36,31 @@ static void *hinge_create(const Data *data, const Sizes *sizes, Memory *memory, 
     return hinge;
 }
 
+/* Clearances of coordinates that have stiffness, which then is theirs. */
+static int read_clearances(Hinge *hinge, const double *p, Reason *why) {
+    static const char *const names[] = {"axial", "radial", "twist", "cross"};
+    static const int first[CLEARANCE_COUNT + 1] = {0, 1, HINGE_ANGLE, 4, COORDINATE_COUNT};
+    hinge->loose = 0;
+    for (int k = 0; k < CLEARANCE_COUNT; k++) {
+        const double size = p[P_AXIAL_CLEARANCE + k];
+        if (size == 0.0) continue;
+        Clearance *one = hinge->clearances + hinge->loose++;
+        *one = (Clearance){.size = size};
+        for (int i = first[k]; i < first[k + 1]; i++) {
+            if (hinge->stiffness[i] == 0.0) continue;
+            if (one->count && (one->stiffness != hinge->stiffness[i] || one->damping != hinge->damping[i]))
+                return refuse(why, "%s_clearance needs equal stiffness, and equal damping, along both cross axes", names[k]);
+            one->stiffness = hinge->stiffness[i];
+            one->damping = hinge->damping[i];
+            one->members[one->count++] = i;
+            hinge->stiffness[i] = hinge->damping[i] = 0.0;
+        }
+        if (!one->count)
+            return refuse(why, "%s_clearance is %g, but the joint has no stiffness there; give it some", names[k], size);
+    }
+    return 1;
+}
+
 /* A kinematic latch is as good as rigid, except where an explicit host cannot solve for a lock. */
 static int hinge_prepare(void *self, const double *p, Reason *why) {
     Hinge *hinge = self;
@@ -45,6 +70,7 @@ static int hinge_prepare(void *self, const double *p, Reason *why) {
         hinge->stiffness[3 + i] = p[P_ROTATIONAL_STIFFNESS + i];
         hinge->damping[3 + i] = p[P_ROTATIONAL_DAMPING + i];
     }
+    if (!read_clearances(hinge, p, why)) return 0;
     if (hinge->motor.kind != TABLE_LAW) {
         hinge->motor = spring_law(p[P_MOTOR_STIFFNESS], p[P_MOTOR_WIND_UP]);
         hinge->motor.constant = p[P_MOTOR_CONSTANT_TORQUE];

@@ -95,6 +95,10 @@ static inline real starting_deflection(const Hinge *hinge, real angle) {
     if (p[P_PRESLIDING_STIFFNESS] == 0.0) return 0.0;
     real driving = law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) -
                    hinge->stiffness[HINGE_ANGLE] * (angle - p[P_ALIGNED_ANGLE]);
+    real turn[COORDINATE_COUNT] = {0.0}, held[COORDINATE_COUNT] = {0.0};
+    turn[HINGE_ANGLE] = angle - p[P_ALIGNED_ANGLE];
+    for (int k = 0; k < hinge->loose; k++) add_clearance_force(hinge->clearances + k, turn, none, held);
+    driving += held[HINGE_ANGLE];
     real most = largest_friction(hinge, friction_magnitudes(hinge, &free, none, angle), 0.0);
     return within(driving, most) / p[P_PRESLIDING_STIFFNESS];
 }

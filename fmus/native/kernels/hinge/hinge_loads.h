@@ -35,6 +35,15 @@ static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, Ste
     return damped_load(elastic, hinge->latch_stiffness, share * hinge->latch_damping, &deflection);
 }
 
+/* Loads beyond a clearance, in the place of those of its coordinates. */
+static inline void loose_loads(const Hinge *hinge, const Clearance *clearance, const StepMotion *motions,
+                               MeanLoad *loads) {
+    StepMotion aligned[COORDINATE_COUNT];
+    memcpy(aligned, motions, sizeof aligned);
+    aligned[HINGE_ANGLE] = shifted_motion(aligned[HINGE_ANGLE], hinge->base.p[P_ALIGNED_ANGLE]);
+    clearance_loads(clearance, aligned, hinge->base.paired, loads);
+}
+
 /* Mean loads of bushing and latch. */
 static inline StiffLoads stiff_loads(const Hinge *hinge, const Grip *grip, const StepMotion *motions) {
     StiffLoads loads = {.latch = {0.0, 0.0, 0.0, 0.0}};
@@ -43,6 +52,7 @@ static inline StiffLoads stiff_loads(const Hinge *hinge, const Grip *grip, const
         if (i == HINGE_ANGLE) motion = shifted_motion(motion, hinge->base.p[P_ALIGNED_ANGLE]);
         loads.bushing[i] = stiff_load(hinge, i, &motion);
     }
+    for (int k = 0; k < hinge->loose; k++) loose_loads(hinge, hinge->clearances + k, motions, loads.bushing);
     if (latch_acts(hinge, grip)) loads.latch = mean_latch_load(hinge, grip, motions[HINGE_ANGLE]);
     return loads;
 }
@@ -120,18 +130,20 @@ static inline double latch_damping_at(const Hinge *hinge, const Grip *grip, real
     return hinge->latch_damping * value_of(share_beyond(hinge->play, deflection, deflection));
 }
 
-/* What bushing and latch exert at one instant. */
+/* What bushing and latch exert at one instant, and the power (W) of dampers beyond clearances. */
 typedef struct Held {
-    real bushing[COORDINATE_COUNT], latch;
+    real bushing[COORDINATE_COUNT], latch, power;
 } Held;
 
 /* By the laws, from coordinates and rates. */
 static inline Held held_at(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
     Held held = {.latch = 0.0};
-    for (int i = 0; i < COORDINATE_COUNT; i++) {
-        real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->base.p[P_ALIGNED_ANGLE] : coordinates[i];
-        held.bushing[i] = -hinge->stiffness[i] * deflection - hinge->damping[i] * rates[i];
-    }
+    real aligned[COORDINATE_COUNT];
+    from_aligned(hinge, coordinates, aligned);
+    for (int i = 0; i < COORDINATE_COUNT; i++)
+        held.bushing[i] = -hinge->stiffness[i] * aligned[i] - hinge->damping[i] * rates[i];
+    for (int k = 0; k < hinge->loose; k++)
+        held.power += add_clearance_force(hinge->clearances + k, aligned, rates, held.bushing);
     if (latch_acts(hinge, grip))
         held.latch = law_value(&hinge->latch, coordinates[HINGE_ANGLE] - grip->latched_angle) +
                      -latch_damping_at(hinge, grip, coordinates[HINGE_ANGLE]) * rates[HINGE_ANGLE];
@@ -142,7 +154,7 @@ static inline Held held_at(const Hinge *hinge, const Grip *grip, const real *coo
 static inline Loads instant_loads(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates,
                                   const Held *held) {
     const real *load = held->bushing;
-    real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE], viscous = 0.0, damping = 0.0;
+    real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE], viscous = 0.0, damping = held->power;
     for (int i = 0; i < COORDINATE_COUNT; i++) damping += hinge->damping[i] * rates[i] * rates[i];
     Presliding friction = instant_friction(hinge, grip, load, angle, rate);
     if (latch_acts(hinge, grip)) viscous = -latch_damping_at(hinge, grip, angle) * rate;
@@ -168,11 +180,10 @@ static inline real driving_energy(const Hinge *hinge, real angle) {
 
 /* Energy in bushing, latch, friction that sticks and hold, which is lost where the joint fails; not negative. */
 static inline real held_energy(const Hinge *hinge, const Grip *grip, const real *coordinates) {
-    real angle = coordinates[HINGE_ANGLE], energy = 0.0;
-    for (int i = 0; i < COORDINATE_COUNT; i++) {
-        real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->base.p[P_ALIGNED_ANGLE] : coordinates[i];
-        energy += 0.5 * hinge->stiffness[i] * deflection * deflection;
-    }
+    real angle = coordinates[HINGE_ANGLE], energy = 0.0, aligned[COORDINATE_COUNT];
+    from_aligned(hinge, coordinates, aligned);
+    for (int i = 0; i < COORDINATE_COUNT; i++) energy += 0.5 * hinge->stiffness[i] * aligned[i] * aligned[i];
+    for (int k = 0; k < hinge->loose; k++) energy += clearance_potential(hinge->clearances + k, aligned);
     energy += latch_energy(hinge, grip, angle);
     energy += 0.5 * hinge->base.p[P_PRESLIDING_STIFFNESS] * grip->presliding * grip->presliding;
     if (grip->holding != 0.0) {

@@ -6,12 +6,13 @@
 #define FANFOLD_HINGE_MODEL_H
 
 #include "hinge_layout.h"
+#include "clearance.h"
 #include "connection.h"
 #include "laws.h"
 #include "presliding.h"
 #include "workless.h"
 
-enum { COORDINATE_COUNT = 6, HINGE_ANGLE = 3, HEAT_CAUSES = 3 };
+enum { COORDINATE_COUNT = 6, HINGE_ANGLE = 3, HEAT_CAUSES = 3, CLEARANCE_COUNT = 4 };
 
 /* Loads of which the last steps are remembered at order 4: of the bushing in the six coordinates, of the latch, and of
    all else about the hinge line. */
@@ -22,6 +23,8 @@ typedef struct Hinge {
     double axis_frame[4];
     int latch_kind, locks;
     double stiffness[COORDINATE_COUNT], damping[COORDINATE_COUNT], latch_stiffness, latch_damping;
+    int loose;                             /* number of clearances, whose coordinates have no stiffness of their own */
+    Clearance clearances[CLEARANCE_COUNT]; /* of coordinates from the aligned angle on */
     double play[2]; /* rad, deflections of the latch between which it has no torque */
     Law motor, harness, hysteresis, latch;
 } Hinge;
@@ -74,6 +77,12 @@ static inline Motion hinge_motion(const Hinge *hinge, const real *u, real refere
         {pose.offset.x, pose.offset.y, pose.offset.z, angle, pose.swing.y, pose.swing.z},
         {rates.offset.x, rates.offset.y, rates.offset.z, rates.twist, rates.swing.y, rates.swing.z},
     };
+}
+
+/* The coordinates with the angle counted from where the axes of both ports coincide. */
+static inline void from_aligned(const Hinge *hinge, const real *coordinates, real *aligned) {
+    for (int i = 0; i < COORDINATE_COUNT; i++) aligned[i] = coordinates[i];
+    aligned[HINGE_ANGLE] -= hinge->base.p[P_ALIGNED_ANGLE];
 }
 
 /* Whether there is a latch and it is engaged. */

@@ -67,6 +67,28 @@ static inline void add_slopes(Slopes *slopes, int k, MeanLoad load) {
     slopes->slope[k] += cimag(load.slope) / FANFOLD_INFINITESIMAL;
 }
 
+/* Beyond clearances, by each of the coordinates that share one: of a load by its own in `bushing`, by the other's in
+   `coupled`. */
+static inline void differentiate_clearances(const Hinge *hinge, const StepMotion *motions,
+                                            Slopes bushing[COORDINATE_COUNT], Slopes coupled[COORDINATE_COUNT]) {
+    for (int k = 0; k < hinge->loose; k++) {
+        const Clearance *one = hinge->clearances + k;
+        for (int n = 0; n < 2 * one->count; n++) {
+            const int moved = one->members[n / 2], by_moment = n % 2;
+            StepMotion seeded[COORDINATE_COUNT];
+            MeanLoad loads[COORDINATE_COUNT];
+            memcpy(seeded, motions, sizeof seeded);
+            if (by_moment)
+                seeded[moved].moment = seeded_number(seeded[moved].moment);
+            else
+                seeded[moved].end = seeded_number(seeded[moved].end);
+            loose_loads(hinge, one, seeded, loads);
+            for (int i = 0; i < one->count; i++)
+                add_slopes((one->members[i] == moved ? bushing : coupled) + one->members[i], by_moment, loads[one->members[i]]);
+        }
+    }
+}
+
 /* Of the bushing, and about the hinge line of motor, harness, latch and hold. */
 static inline void differentiate_loads(const Hinge *hinge, const Grip *grip, const StepMotion *motions,
                                        Slopes bushing[COORDINATE_COUNT], Slopes *drives) {
@@ -138,10 +160,12 @@ static inline void differentiate_torque(Transverse swing, const real load[3], do
 /* By how much forces and torques, and their slopes, change as coordinates and moments move: offset and rotation of each. */
 static inline void move_loads(const Hinge *hinge, const Grip *grip, const StepMotion *motions, const StiffLoads *stiff,
                               Transverse swing, const real about_line[2], const Columns moved[4], Columns change[4]) {
-    Slopes bushing[COORDINATE_COUNT] = {{{0.0}, {0.0}}}, drives = {{0.0}, {0.0}};
+    Slopes bushing[COORDINATE_COUNT] = {{{0.0}, {0.0}}}, coupled[COORDINATE_COUNT] = {{{0.0}, {0.0}}};
+    Slopes drives = {{0.0}, {0.0}};
     Columns rotations[2] = {{{{0.0}}}};
     const double *mean[COORDINATE_COUNT], *sloped[COORDINATE_COUNT];
     differentiate_loads(hinge, grip, motions, bushing, &drives);
+    differentiate_clearances(hinge, motions, bushing, coupled);
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         const double *by_end = moved[i / 3].row[i % 3], *by_moment = moved[2 + i / 3].row[i % 3];
         double *force = (i < 3 ? change : rotations)->row[i % 3], *slope = (i < 3 ? change + 2 : rotations + 1)->row[i % 3];
@@ -151,6 +175,18 @@ static inline void move_loads(const Hinge *hinge, const Grip *grip, const StepMo
         }
         mean[i] = force;
         sloped[i] = slope;
+    }
+    for (int k = 0; k < hinge->loose; k++) {
+        const int *members = hinge->clearances[k].members;
+        for (int n = 0; hinge->clearances[k].count > 1 && n < 2; n++) {
+            const int i = members[n], other = members[1 - n];
+            const double *by_end = moved[other / 3].row[other % 3], *by_moment = moved[2 + other / 3].row[other % 3];
+            double *force = (i < 3 ? change : rotations)->row[i % 3], *slope = (i < 3 ? change + 2 : rotations + 1)->row[i % 3];
+            for (int j = 0; j < COLUMNS; j++) {
+                force[j] += coupled[i].force[0] * by_end[j] + coupled[i].force[1] * by_moment[j];
+                slope[j] += coupled[i].slope[0] * by_end[j] + coupled[i].slope[1] * by_moment[j];
+            }
+        }
     }
     const double *angle = moved[1].row[0], *moment = moved[3].row[0];
     double twist[COLUMNS], twist_slope[COLUMNS];
