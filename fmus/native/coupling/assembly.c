@@ -575,9 +575,12 @@ static void drive_to_rates(Assembly *a, const double *u, double h) {
 static int run_driven(Assembly *a, const double *u, double h, int to_event) {
     Coupling *c = &a->sequence.coupling;
     if (!go_back(a)) return 0;
-    if (a->meets_rates) drive_to_rates(a, u, h);
-    else drive(a, u, h);
-    history_clear(&c->network); /* loads under other accelerations do not predict the next ones */
+    if (a->meets_rates) {
+        drive_to_rates(a, u, h);
+        history_clear(&c->network); /* loads jump with the accelerations */
+    } else {
+        drive(a, u, h);
+    }
     coupling_begin_segment(c);
     if (!run_to(a, a->time + h, to_event)) return 0;
     rows_release(&c->rows);

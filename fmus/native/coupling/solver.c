@@ -10,6 +10,7 @@
 #include "system.h"
 
 enum { MOST_DAMPED = 30 };
+#define SAME_SIZE 1e-9 /* largest relative difference of sizes with the same matrices: rounding of sums of times */
 
 /* Iterations after which slow contraction leads to a refresh: matrices are turned, then stiffnesses are evaluated anew,
    at last mobilities as well, which costs tens of sweeps. */
@@ -25,6 +26,9 @@ void forget_all(Solver *s) {
     jacobians_forget(&s->jacobians);
     s->ready_step = NAN;
 }
+
+/* Whether the matrices of a step size are factorised. */
+static int is_ready(const Solver *s, double h) { return fabs(s->ready_step - h) <= SAME_SIZE * h; }
 
 /* Factorise the matrices of the present step size. again: with new stiffnesses, and at the last stage new mobilities. 0
    if a participant fails. */
@@ -149,7 +153,7 @@ static int iterate(Solver *s, double time, double h) {
             n->correction = INFINITY;
             return NOT_FINITE;
         }
-        if (s->ready_step != h && !provide(s, 0)) return REFUSED;
+        if (!is_ready(s, h) && !provide(s, 0)) return REFUSED;
         const int status = correct(s);
         if (status != GOES_ON) return status;
     }
