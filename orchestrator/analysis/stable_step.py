@@ -53,11 +53,15 @@ def largest_stable_step(assembly: Assembly) -> float | None:
 
 
 def _at_its_walls(part: Part) -> Part:
-    """A joint as it is beyond its play, where it is stiffest."""
+    """A joint and its latch as they are beyond their play, where they are stiffest."""
     if part.kind != Hinge.kind:
         return part
-    plays = {name for name, _ in CLEARANCES}
-    return replace(part, start={name: value for name, value in part.start.items() if name not in plays})
+    plays, curve = {name for name, _ in CLEARANCES}, ("latch_deflection", "latch_torque", "latch_straight")
+    structure = part.structure
+    if structure.get("latch_straight"):
+        structure = {key: value for key, value in structure.items() if key not in curve} | {"latch": "spring"}
+    start = {name: value for name, value in part.start.items() if name not in plays}
+    return replace(part, structure=structure, start=start)
 
 
 def own_growth(model: LinearModel) -> float:

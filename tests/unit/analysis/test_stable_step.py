@@ -29,10 +29,24 @@ def test_tools_that_do_not_iterate_bear_it():
 
 
 def test_joints_with_play_are_as_stiff_as_at_their_walls():
-    """Definition: the step of joints without play, though within it they have no stiffness."""
-    play = {"axial_clearance": "1 mm", "radial_clearance": "1 mm", "cross_clearance": "1 mrad"}
-    loose = fanfold.load("workbench", (), {f"joint.{name}": size for name, size in play.items()})
-    assert largest_stable_step(assemble(loose.check(), {"all"}, (), "endpoint")) == 5e-5
+    """Definition: the step of joints without play, though within it they and their latches have no stiffness."""
+    latch = {"kind": "spring", "stiffness": "1e7 N.m/rad", "inboard_stiffness": "1e8 N.m/rad"}
+    latch |= {"outboard_stiffness": "1e8 N.m/rad"}
+    play = {
+        "joint.axial_clearance": "1 mm",
+        "joint.radial_clearance": "1 mm",
+        "joint.cross_clearance": "1 mrad",
+    }
+    stiff = {f"hinge_line.HL.latch.{name}": value for name, value in latch.items()}
+
+    def step_with(**keys):
+        return largest_stable_step(
+            assemble(fanfold.load("workbench", (), keys).check(), {"all"}, (), "endpoint")
+        )
+
+    loose = {**play, "hinge_line.HL.latch.play": "5 mrad"}
+    assert step_with(**loose) == step_with() == 5e-5
+    assert step_with(**loose, **stiff) == step_with(**stiff) < 5e-5
 
 
 @pytest.mark.parametrize(("factor", "stays"), [(1.0, True), (10.0, False)])
