@@ -13,7 +13,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from numpy.typing import ArrayLike
 
-from .contract.component import ComponentError
+from .contract.component import ComponentError, Vector
 from .contract.connection import HEAT, SLOPES, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Quaternion, Vector3, nearest_turn, rotate
 from .contract.ports import PortMoments, PortMotion
@@ -130,6 +130,13 @@ class Gear(Connection[_Parameters, _State, Impulse]):
         if self._slides[i]:
             return (load, 0.0, 0.0), _NONE
         return _NONE, conjugate_torque(load, (0.0, 0.0), swing)
+
+    def prepare(self, p: Vector) -> _Parameters:
+        """The checked parameters by name."""
+        one = self._checked(p)
+        if one.ratio == 0.0:
+            raise ComponentError("ratio is 0; a gear has another ratio, negative for an external pair")
+        return one
 
     def start(self, c: _Parameters, u: Inputs[Impulse]) -> _State:
         """In mesh at the pose of the inputs."""

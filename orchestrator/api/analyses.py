@@ -338,7 +338,7 @@ def torque_margin(
 ) -> TorqueMargin:
     """Torque margin of every driven hinge line over its travel; bodies are rigid.
 
-    Lines that cable loops couple have one margin, at the rate of the first line.
+    Lines that cable loops or gears couple have one margin, at the rate of the first line.
 
     Parameters
     ----------

@@ -54,8 +54,8 @@ class HingeLine:
     but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
     latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes. bolted:
     whether hold-downs or a drive keep it there. known: the range (rad) of its way and of what tables of its motor and
-    harness tell; empty without any. coupled: the lines of a group that cable loops couple, this one included, and
-    their rates over that of this one; empty without loops. inertia: effective one at latch-up (kg.m2) as in
+    harness tell; empty without any. coupled: lines that cable loops or gears couple, this one included, and
+    their rates over that of this one; empty without any. inertia: effective one at latch-up (kg.m2) as in
     `effective_inertia` or the scene's own; None without a latch.
     """
 

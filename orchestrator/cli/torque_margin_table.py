@@ -63,8 +63,8 @@ def margin_sentences(found: TorqueMargin) -> list[str]:
     """Sentences on coupled lines, lines without a margin, and parts that no margin includes."""
     groups = {one.line: one.torques.rates for one in found.lines if len(one.torques.rates) > 1}
     coupled = [
-        f"{line}: cable loops couple these lines at rates {' : '.join(f'{r:.4g}' for r in rates.values())}; their "
-        f"common verdict has torques at the rate of {next(iter(rates))}"
+        f"{line}: cable loops or gears couple these lines at rates {' : '.join(f'{r:.4g}' for r in rates.values())}; "
+        f"their common verdict has torques at the rate of {next(iter(rates))}"
         for line, rates in groups.items()
     ]
     left_out = [f"not included: {name}; {why}" for name, why in found.uncounted.items()]

@@ -27,9 +27,9 @@ class NotOpened:
     """A line that should have latched, or come to its stop or deployed angle, and has not.
 
     missing: what it has not done. angle, largest: at the end and the largest, rad. rate: at the end, rad/s. is_stuck:
-    it stands still. coupled: lines that cable loops couple to it. driving: torque of motor and harness at the end, N.m,
-    positive opening. friction: torque up to which friction holds, N.m. Both are sums over it and the lines coupled to
-    it, at its rate.
+    it stands still. coupled: lines that cable loops or gears couple to it. driving: torque of motor and harness at the
+    end, N.m, positive opening. friction: torque up to which friction holds, N.m. Both are sums over it and the lines
+    coupled to it, at its rate.
     """
 
     missing: str

@@ -1,4 +1,4 @@
-"""Cable loops whose radii, axes or stiffness do not fit the lines between their pulleys."""
+"""Cable loops whose radii, axes or stiffness, and gears whose ratio, do not fit the lines that they couple."""
 
 from __future__ import annotations
 
@@ -10,17 +10,20 @@ from components.contract.frames import Vector3, cross, norm
 
 from ..messages import coded
 from ..scene.connection_tables import Ccl
-from ..scene.loops.coupled_lines import body_between, turning
+from ..scene.loops.coupled_lines import body_between, gears, is_carried, turning
 from ..scene.placed_scene import PlacedScene
 
 _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
+_WOUND = 0.01
+"""Of the travel of a gear: ratios are rounded."""
 
 
 def loop_warnings(scene: PlacedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from coded("W-loop-data", _unlike_travels(scene))
     yield from coded("W-loop-data", _askew_loops(scene))
+    yield from coded("W-loop-data", _unlike_ratios(scene))
 
 
 class Travels(NamedTuple):
@@ -40,12 +43,14 @@ def loop_travels(scene: PlacedScene, loop: Ccl) -> Travels | None:
     carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
     if carrier is None:
         return None
+    first, second = (_travel(scene, body, loop.axis) - _travel(scene, carrier, loop.axis) for body in bodies)
+    return Travels(first, second)
+
+
+def _travel(scene: PlacedScene, body: str, axis: Vector3) -> float:
+    """Rotation (rad) of a body about an axis against the base, until full deployment."""
     travels = {line.name: line.deployed_angle - line.initial_angle for line in scene.hinge_lines}
-    first, second, middle = (
-        sum((rate * travels[name] for name, rate in turning(scene, body, loop.axis).items()), 0.0)
-        for body in (*bodies, carrier)
-    )
-    return Travels(first - middle, second - middle)
+    return sum((rate * travels[name] for name, rate in turning(scene, body, axis).items()), 0.0)
 
 
 def _unlike_travels(scene: PlacedScene) -> Iterator[str]:
@@ -64,6 +69,26 @@ def _unlike_travels(scene: PlacedScene) -> Iterator[str]:
             f"and {r2:g} mm by {second:g} deg stretch a strand by {1e3 * left:.3g} mm, "
             f"{left * loop.strand_stiffness:.3g} N at a preload of {loop.preload:g} N.{fit}"
         )
+
+
+def _unlike_ratios(scene: PlacedScene) -> Iterator[str]:
+    """Gears that the lines which they couple wind up on their way."""
+    for gear in gears(scene):
+        if not all(is_carried(scene, body) for body in (*gear.bodies, gear.guide or "")):
+            continue
+        first, second = (
+            _travel(scene, body, axis) - _travel(scene, gear.guide or "", axis)
+            for body, axis in zip(gear.bodies, gear.axes, strict=True)
+        )
+        ratio = gear.radii[1]
+        wound = first - ratio * second
+        if abs(wound) > _WOUND * max(abs(first), abs(ratio * second)):
+            fit = f" A ratio of {first / second:g} would fit." if first and second else ""
+            yield (
+                f"connection.{gear.name}: its ratio of {ratio:g} does not fit the travels of the lines: its bodies "
+                f"turn by {degrees(first):g} and {degrees(second):g} deg against the carrier, which winds the gear "
+                f"by {degrees(abs(wound)):.3g} deg.{fit}"
+            )
 
 
 def _askew_loops(scene: PlacedScene) -> Iterator[str]:

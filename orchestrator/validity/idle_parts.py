@@ -10,6 +10,12 @@ from ..messages import coded
 from ..scene.component_connections import first_number
 from ..scene.placed_scene import PlacedScene
 
+_EFFECTS = {
+    "load": ("force", "torque", "added_force", "added_torque"),
+    "spring": ("stiffness", "preload", "damping", "tension"),
+}
+"""What gives a component a force, by its kind."""
+
 
 def idle_part_warnings(scene: PlacedScene) -> Iterator[str]:
     """Sentences with their keys."""
@@ -18,15 +24,15 @@ def idle_part_warnings(scene: PlacedScene) -> Iterator[str]:
 
 
 def _without_load(scene: PlacedScene) -> Iterator[str]:
-    """Loads without a law that nothing sets during the run."""
+    """Loads and springs without a force that nothing sets during the run."""
     outputs = [target for fmu in scene.fmus for name in fmu.outputs for target in fmu.targets(name)]
     driven = {target.partition(".")[0] for target in outputs}.union(*(event.set for event in scene.events))
     for one in scene.connections:
-        is_empty = not any((one.structure.get("force"), one.structure.get("torque"), one.parameters))
-        if one.kind == "load" and is_empty and one.name not in driven:
+        effects, values = _EFFECTS.get(one.kind, ()), {**one.structure, **one.parameters}
+        if effects and one.name not in driven and not any(values.get(effect) for effect in effects):
             yield (
-                f"connection.{one.name}: this load has no force and no torque, and no event or FMU sets "
-                "added_force or added_torque. Set one of them, or remove the load."
+                f"connection.{one.name}: this {one.kind} has no force, and no event or FMU gives it one. Set one of "
+                f"{', '.join(effects)}, or remove the {one.kind}."
             )
 
 

@@ -206,6 +206,7 @@ static void *gear_create(const Data *data, const Sizes *sizes, Memory *memory, s
 }
 
 static int gear_prepare(void *self, const double *p, Reason *why) {
+    if (p[P_RATIO] == 0.0) return refuse(why, "ratio is 0; a gear has another ratio, negative for an external pair");
     return prepare_connection(self, p, p[P_ORDER], why);
 }
 

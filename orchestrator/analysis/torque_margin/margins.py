@@ -1,8 +1,8 @@
 """Torque margin of every hinge line over its travel, and proof that the array restarts when stopped midway.
 
 Quasi-static: driving over resisting torques at rest, resistances with uncertainty factors, by the rules of
-`rules`. Lines that cable loops couple have their margin together: their torques at one rate (`GroupTorques`), as an
-actuator's torque is counted at the shaft where it is required. Dampers give no torque at rest.
+`rules`. Lines that cable loops or gears couple have their margin together: their torques at one rate
+(`GroupTorques`), as an actuator's torque is counted at the shaft where it is required. Dampers give no torque at rest.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Torques of the hinges of a scene over the travel, from the components themselves in static equilibrium.
 
-At every position the lines with a motor, and those that cable loops couple to them, stand at the same share of their
-travel, and the scene is brought to static equilibrium with all hinges held: cables at their preload, gravity if there
-is any. Each hinge is then asked for its torques while it opens slowly from there.
+At every position the lines with a motor, and those that cable loops or gears couple to them, stand at the same share
+of their travel, and the scene is brought to static equilibrium with all hinges held: cables at their preload, gravity
+if there is any. Each hinge is then asked for its torques while it opens slowly from there.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def driven_lines(scene: PlacedScene) -> list[HingeLine]:
 
 
 def opened_lines(scene: PlacedScene) -> list[HingeLine]:
-    """Lines with a motor, and those that cable loops couple to them; SceneError if there are none."""
+    """Lines with a motor, and those that cable loops or gears couple to them; SceneError if there are none."""
     names = {line.name for line in driven_lines(scene)}.union(*(g.rates for g in margin_groups(scene)))
     return [line for line in scene.hinge_lines if line.name in names]
 

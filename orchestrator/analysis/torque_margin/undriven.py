@@ -1,4 +1,4 @@
-"""Which lines motors open, alone or through cable loops, and what is in no torque margin, and why."""
+"""Which lines motors open, alone or through cable loops and gears, and what is in no torque margin, and why."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ from ...scene.loops.coupled_lines import (
 )
 
 _CABLE, _DRIVE, _MOTOR = "ccl", "drive", "motor_"
+_COUPLING = {_CABLE: "cable loop", "gear": "gear"}
+"""Words for kinds that couple lines."""
 _PULLING = ("load", "spring", "suspension", "drag")
 """Kinds whose torques on lines depend on the positions of bodies."""
 _AT_RATES = "its inertial loads depend on all angles and rates; `fanfold run` computes them"
@@ -81,19 +83,17 @@ def uncounted(scene: PlacedScene) -> dict[str, str]:
 
 
 def _apart(scene: PlacedScene) -> dict[str, str]:
-    """Cable loops at lines with a motor that are in no margin, by name, and why."""
+    """Cable loops and gears at lines with a motor that are in no margin, by name, and why."""
     found, groups, motorised = {}, scene.coupled_lines, with_motor(scene)
     for name, kind, bodies in _movers(scene):
-        if kind != _CABLE or not any(acts_across(scene, line, bodies) for line in motorised):
+        if kind not in _COUPLING or not any(acts_across(scene, line, bodies) for line in motorised):
             continue
         group = next((group for group in groups if name in group.loops), None)
         if group is None:
-            found[name] = "it does not couple the lines between its pulleys at fixed rates"
+            found[name] = "it does not couple lines at fixed rates"
         elif group.drives:
             drives = " and ".join(group.drives)
-            found[name] = (
-                f"cable loops couple {', '.join(group.rates)}, which {drives} turns, whatever they resist"
-            )
+            found[name] = f"it couples {', '.join(group.rates)}, which {drives} turns, whatever they resist"
     return found
 
 
@@ -118,15 +118,17 @@ def without_margin(scene: PlacedScene) -> dict[str, str]:
 
 
 def _what_turns(scene: PlacedScene, line: HingeLine) -> str:
-    """Drives and cable loops that can turn a line, or what keeps it, to follow the words "no motor"."""
+    """Drives, cable loops and gears that can turn a line, or what keeps it, to follow the words "no motor"."""
     acting = [(name, kind) for name, kind, bodies in _movers(scene) if acts_across(scene, line, bodies)]
-    drives = [name for name, kind in acting if kind == _DRIVE]
-    loops = [name for name, kind in acting if kind == _CABLE]
-    words = [_named("drive", drives)] * bool(drives) + [_named("cable loop", loops)] * bool(loops)
+    by_kind = {
+        noun: [name for name, kind in acting if kind == of]
+        for of, noun in {_DRIVE: "drive", **_COUPLING}.items()
+    }
+    words = [_named(noun, names) for noun, names in by_kind.items() if names]
     if words:
         return f"; turned by {' and by '.join(words)}"
     friction = f"; kept by friction of {line.friction_preload:g} N.m" if line.friction_preload else ""
-    return f", drive or cable loop{friction}"
+    return f", drive, cable loop or gear{friction}"
 
 
 def _named(what: str, names: list[str]) -> str:
@@ -135,7 +137,7 @@ def _named(what: str, names: list[str]) -> str:
 
 
 def _movers(scene: PlacedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
-    """Name, role and bodies of everything that can turn a line without a motor: drives, then cable loops."""
+    """Name, role and bodies of everything that can turn a line without a motor: drives, then cable loops and gears."""
     others = {k.name: (k.kind, tuple(seat.body for seat in k.ports.values())) for k in scene.connections}
     for connection in scene.connections:
         if supplies_energy(connection):
@@ -143,5 +145,5 @@ def _movers(scene: PlacedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
     for loop in scene.loops:
         yield loop.name, _CABLE, (loop.pulley_1.body, loop.pulley_2.body)
     for name, (kind, bodies) in others.items():
-        if kind == _CABLE:
+        if kind in _COUPLING:
             yield name, kind, bodies

@@ -71,7 +71,7 @@ def command(
 ) -> None:
     """Torque margin of every driven hinge line of SCENE over its travel; bodies are rigid.
 
-    Lines that cable loops couple have one margin, with their torques at the rate of the first line.
+    Lines that cable loops or gears couple have one margin, with their torques at the rate of the first line.
 
     Sum rule, limit 2: driving torque over the sum of the resisting torques times their uncertainty factors. ECSS rule
     (ECSS-E-ST-33-01C, 4.7.5.3), limit 2: 0.8 of the driving torque less 1.25 TD and TL, over the same sum. GEVS rule

@@ -1,20 +1,22 @@
-"""Hinge lines that cable loops couple, so that they turn together, with one degree of freedom.
+"""Hinge lines that cable loops and gears couple, so that they turn together, with one degree of freedom.
 
 A loop keeps r1 (w1 - w2) = r2 (w3 - w2) about its axis, to the elongation of its strands: r1, r2 the radii (m) of its
 pulleys, w1, w3 the rates of their bodies, w2 that of the body along which the strands run. This is the one with the
-guide, or the one between the two lines on which the pulleys sit.
+guide, or the one between the two lines on which the pulleys sit. A gear keeps w1 - w2 = r (w3 - w2) likewise, to its
+elasticity: each about its own axis, r its ratio, w2 of its carrier.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from components import REGISTRY, SUPPLIED_ENERGY, Instance
 from components.ccl import CableLoop
 from components.contract.frames import Vector3, dot
+from components.gear import Gear
 
 from ..component_connections import component_values
 from ..connection_tables import Connection
@@ -32,7 +34,7 @@ class CoupledLines(NamedTuple):
     """Lines that turn together.
 
     rates: of every line, over that of the first, negative where it closes as that one opens; in the scene's order.
-    loops: names of the cable loops that couple them. drives: names of what supplies energy and turns one of them.
+    loops: names of the cable loops and gears that couple them. drives: names of what supplies energy and turns one.
     """
 
     rates: Mapping[str, float]
@@ -40,11 +42,14 @@ class CoupledLines(NamedTuple):
     drives: tuple[str, ...]
 
 
-class _Loop(NamedTuple):
-    """A cable loop: its pulleys' axis, bodies, radii (m), body along which its strands are led, if any, preload (N)."""
+class Coupling(NamedTuple):
+    """A cable loop: its pulleys' axes, bodies, radii (m), body along which its strands are led, if any, preload (N).
+
+    A gear has axes of its own, the radii 1 and its ratio, and its carrier as guide.
+    """
 
     name: str
-    axis: Vector3
+    axes: tuple[Vector3, Vector3]
     bodies: tuple[str, str]
     radii: tuple[float, float]
     guide: str | None
@@ -69,7 +74,7 @@ def strands(scene: SceneTables) -> Iterator[Strands]:
 
 def coupled_lines(scene: SceneTables) -> tuple[CoupledLines, ...]:
     """Groups of two or more lines that move and whose rates are in fixed ratios; held lines do not move."""
-    rows = {loop.name: row for loop in _loops(scene) if (row := _row(scene, loop))}
+    rows = {one.name: row for one in (*_loops(scene), *gears(scene)) if (row := _row(scene, one))}
     names = [line.name for line in scene.hinge_lines]
     groups = []
     for loops in _connected(rows):
@@ -92,40 +97,54 @@ def rates_with(groups: Iterable[CoupledLines], name: str) -> tuple[tuple[str, fl
     return tuple((other, rate / rates[name]) for other, rate in rates.items())
 
 
-def _loops(scene: SceneTables) -> Iterator[_Loop]:
+def _loops(scene: SceneTables) -> Iterator[Coupling]:
     """Cable loops, among them those that are connections along the axes of their bodies, and are not cut."""
     for loop in scene.loops:
         bodies, radii = zip(*((one.body, one.radius) for one in (loop.pulley_1, loop.pulley_2)), strict=True)
         led = None if loop.guide is None else loop.guide.body
-        yield _Loop(loop.name, loop.axis, bodies, radii, led, loop.preload)
-    for one in scene.connections:
-        if one.kind != CableLoop.kind or one.axes is not None:
-            continue
-        structure, start = component_values(one, "mean")
-        values = Instance(REGISTRY[one.kind](**structure), start)
+        yield Coupling(loop.name, (loop.axis, loop.axis), bodies, radii, led, loop.preload)
+    for one, structure, values in _connections(scene, CableLoop.kind):
         if values.parameter("cut") < _CUT:
             bodies = (one.ports["pulley_1"].body, one.ports["pulley_2"].body)
             guide = one.ports["guide"].body if "guide" in one.ports else None
             radii = (values.parameter("radius_1"), values.parameter("radius_2"))
-            yield _Loop(one.name, structure["axis"], bodies, radii, guide, values.parameter("preload"))
+            axis = structure["axis"]
+            yield Coupling(one.name, (axis, axis), bodies, radii, guide, values.parameter("preload"))
 
 
-def _row(scene: SceneTables, loop: _Loop) -> dict[str, float]:
+def gears(scene: SceneTables) -> Iterator[Coupling]:
+    """Gears between rotations, along the axes of their bodies."""
+    for one, _, values in _connections(scene, Gear.kind):
+        structure = values.component.structure
+        if structure["second_motion"] == "rotation":
+            bodies = (one.ports["first"].body, one.ports["second"].body)
+            axes = (structure["first_axis"], structure["second_axis"])
+            radii = (1.0, values.parameter("ratio"))
+            yield Coupling(one.name, axes, bodies, radii, one.ports["carrier"].body, 0.0)
+
+
+def _connections(scene: SceneTables, kind: str) -> Iterator[tuple[Connection, Mapping[str, Any], Instance]]:
+    """Connections of a kind along the axes of their bodies, their structures and components."""
+    for one in scene.connections:
+        if one.kind == kind and one.axes is None:
+            structure, start = component_values(one, "mean")
+            yield one, structure, Instance(REGISTRY[kind](**structure), start)
+
+
+def _row(scene: SceneTables, loop: Coupling) -> dict[str, float]:
     """Coefficients (m) by line of the sum of rates that the loop keeps at zero; empty where it is not known."""
     carrier = _carrier(scene, loop)
-    if carrier is None or not all(_is_carried(scene, body) for body in (*loop.bodies, carrier)):
+    if carrier is None or not all(is_carried(scene, body) for body in (*loop.bodies, carrier)):
         return {}
-    first, second, middle = (turning(scene, body, loop.axis) for body in (*loop.bodies, carrier))
-    r1, r2 = loop.radii
-    row = {
-        name: r1 * (first.get(name, 0.0) - middle.get(name, 0.0))
-        - r2 * (second.get(name, 0.0) - middle.get(name, 0.0))
-        for name in first | second | middle
-    }
-    return _without_nothing(row, max(loop.radii))
+    row: dict[str, float] = {}
+    for body, axis, radius in zip(loop.bodies, loop.axes, (loop.radii[0], -loop.radii[1]), strict=True):
+        for end, sign in ((body, radius), (carrier, -radius)):
+            for name, rate in turning(scene, end, axis).items():
+                row[name] = row.get(name, 0.0) + sign * rate
+    return _without_nothing(row, max(map(abs, loop.radii)))
 
 
-def _carrier(scene: SceneTables, loop: _Loop) -> str | None:
+def _carrier(scene: SceneTables, loop: Coupling) -> str | None:
     return loop.guide or body_between(scene, loop.bodies)
 
 
@@ -139,7 +158,7 @@ def body_between(scene: SceneTables, bodies: tuple[str, str]) -> str | None:
     return next(iter(shared - set(bodies)), None)
 
 
-def _is_carried(scene: SceneTables, body: str) -> bool:
+def is_carried(scene: SceneTables, body: str) -> bool:
     """Whether hinge lines alone tell how the body turns against the base."""
     lines = list(scene.lines_inward(body))
     return (lines[-1].inboard if lines else body) == scene.base.name

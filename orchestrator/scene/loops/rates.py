@@ -24,7 +24,7 @@ from .initial_assembly import Weight, jacobian, least, units
 _MISSED = 1e-6
 """Of the largest rate; joints of loops stand to 1e-12 m, and in a singular position to the root of that."""
 _RATIO = 0.01
-"""Of a rate, by which lines that a cable loop couples may differ from their ratio: radii are rounded."""
+"""Of a rate, by which lines that a cable loop or a gear couples may differ from their ratio: radii are rounded."""
 
 
 class Standing(NamedTuple):

@@ -9,6 +9,7 @@ from components.contract.component import ComponentError
 from components.drag import PlateDrag
 from components.drive import Drive
 from components.end_stop import EndStop
+from components.gear import Gear
 from components.hinge import Hinge
 from components.hold_down import HoldDown
 from components.load import Load
@@ -43,6 +44,7 @@ STRUCTURES = [
 PARAMETERS = [
     (HoldDown, {"translational_stiffness": (1e3, 1e3, 0.0), "preload": 50.0}, r"translational_stiffness\[3\] is 0 N/m"),
     (Drive, {"duration": 0.0}, "duration = 0 s"),
+    (Gear, {"ratio": 0.0}, "ratio is 0"),
     (Suspension, {"stiffness": 0.0}, "stiffness = 0 N/m"),
     (PlateDrag, {"start": 0.5, "end": 0.5}, r"0.5 m.*0.5 m"),
     (Hinge, {"order": 3.0}, r"order = 3.*2 or 4"),

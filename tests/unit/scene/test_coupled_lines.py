@@ -1,4 +1,4 @@
-"""Lines that cable loops couple, and the ratios of their rates, against the radii of the pulleys between them."""
+"""Lines that cable loops and gears couple, and the ratios of their rates, against radii of pulleys and ratios."""
 
 from __future__ import annotations
 
@@ -15,6 +15,16 @@ kind = "ccl"
 ports.pulley_1 = { body = "base", point = "root", offset = [0.0, 0.6, 0.0] }
 ports.pulley_2 = { body = "outer", point = "left", offset = [0.0, 0.1, 0.0] }
 parameters = { radius_1 = "60 mm", radius_2 = "30 mm", cut = CUT }
+"""
+
+GEAR = """
+[[connection]]
+name = "gear"
+kind = "gear"
+ports.carrier = { body = "inner", point = "root" }
+ports.first = { body = "base", point = "root" }
+ports.second = { body = "outer", point = "left" }
+parameters = { ratio = 0.5 }
 """
 
 
@@ -58,9 +68,16 @@ TO_INNER = edited(CCL, ('body = "outer", point = "left"', 'body = "inner", point
         (TWO_PANELS + TO_INNER, []),  # with no body between
         (TWO_PANELS + CONNECTION.replace("CUT", "0.0"), [(1.0, 2.0)]),
         (TWO_PANELS + CONNECTION.replace("CUT", "1.0"), []),
+        (TWO_PANELS + GEAR, [(1.0, 2.0)]),
+        (TWO_PANELS + GEAR.replace("0.5", "-0.5"), [(1.0, -2.0)]),
+        (TWO_PANELS + CCL + GEAR, []),
+        (TWO_PANELS + GEAR + 'structure = { second_motion = "translation" }', []),
     ],
 )
 def test_rates_follow_from_radii_and_axes(tmp_path, text, rates):
-    """Closed form: r1 times the rate of the first line is r2 times that of the second; about +y twice, one closes."""
+    """Closed form: r1 times the rate of the first line is r2 times that of the second; about +y twice, one closes.
+
+    A gear: the base turns by its ratio times the outer panel, both against the inner one.
+    """
     found = load_text(tmp_path, text).coupled_lines
     assert [tuple(group.rates.values()) for group in found] == rates

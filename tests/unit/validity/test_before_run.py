@@ -26,17 +26,25 @@ def coded(sentences, code, *parts):
     return [one for one in sentences if code_of(one) == code and all(part in one for part in parts)]
 
 
-def test_a_load_that_does_nothing():
+@pytest.mark.parametrize(
+    ("kind", "ports", "effect"),
+    [
+        ("load", {"body": ("base", "root")}, {"added_force": "1 N"}),
+        ("spring", {"inboard": ("base", "root"), "outboard": ("block", "root")}, {"stiffness": "1 N/m"}),
+    ],
+)
+def test_a_load_that_does_nothing(kind, ports, effect):
     """It has no law, and nothing sets it; with one, or set, there is nothing to be told."""
-    keys = {"ports": {"body": {"body": "base", "point": "root"}}}
-    for changed, count in (({}, 1), ({"parameters": {"added_force": "1 N"}}, 0)):
+    block = {"mass": 1, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1), "points": {"root": (0, 0, 0)}}
+    for parameters, count in (({}, 1), (effect, 0)):
         scene = Scene("idle", until=1)
         scene.base(
             "base",
             points={"root": (0, 0, 0)},
             free={"mass": 1, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1)},
         )
-        scene.connection("push", "load", **keys, **changed)
+        scene.body("block", rigid=block, place={"body": "base", "point": "root", "offset": (1, 0, 0)})
+        scene.connection("push", kind, ports=ports, parameters=parameters)
         told = scene_warnings(scene.check())
         assert len(coded(told, "W-idle-load", "connection.push:")) == count
 
@@ -60,6 +68,21 @@ def test_radii_that_do_not_fit_their_travels_are_told():
     (sentence,) = scene_warnings(scene)
     assert coded([sentence], "W-loop-data", "ccl.yoke_loop:", "180 to 90")
     assert f"{1e3 * 0.03 * pi / 2:.3g} mm, {5367 * 0.03 * pi / 2:.3g} N" in sentence
+
+
+def test_a_ratio_that_does_not_fit_the_travels_is_told():
+    """Closed form: AMOS-3's lines of 90 and 180 deg need -90 / -180; the contrary ratio winds the gear by 180 deg."""
+    scene = Scene.load("amos3")
+    ports = {
+        "carrier": ("yoke", "hl2_left"),
+        "first": ("spacecraft", "hl1"),
+        "second": ("panel1", "hl2_left"),
+    }
+    scene.connection("gear", "gear", ports=ports, parameters={"ratio": -0.5})
+    told = coded(
+        scene_warnings(scene.check()), "W-loop-data", "connection.gear", "by 180 deg", "ratio of 0.5"
+    )
+    assert len(told) == 1
 
 
 def test_friction_that_gives_way_like_rubber_is_told():
