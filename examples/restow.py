@@ -28,11 +28,7 @@ scene.connection("thruster", "load", structure={"torque": thrust, "direction": [
 scene.connection("fold", "drive", structure={"axis": [0, 1, 0], "profile": "step5"},
     parameters={"stiffness": 0, "aligned_angle": "180 deg", "start_time": "25 s", "duration": "20 s"},
     ports={"inboard": {"body": body, "point": "left"}, "outboard": {"body": panel, "point": "hl_left"}})  # fmt: skip
-engaged = {
-    "stiffness": "500 N.m/rad",
-    "damping": "50 N.m.s/rad",
-    "start_angle": "180 deg",
-}  # to 0 deg, its end_angle
+engaged = {"stiffness": "500 N.m/rad", "damping": "50 N.m.s/rad", "start_angle": "180 deg"}  # to end_angle
 scene.event("restow", time="25 s", set={"HL": {"unlatch_command": 1}, "fold": engaged})
 
 result = fanfold.simulate(scene, estimate=False)

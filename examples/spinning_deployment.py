@@ -2,16 +2,10 @@
 
 import orchestrator as fanfold
 
-BOOM = {
-    "mass": "2 kg",
-    "center_of_mass": ["0.6 m", 0, 0],
-    "inertia": [0.002, 0.24, 0.24],  # kg.m2
-    "points": {"root": [0, 0, 0]},
-}
-SIDES = {
-    "right": ("+y", "90 deg", 0.5),
-    "left": ("-y", "-90 deg", -0.5),
-}  # axis, aligned angle, x of the hinge
+INERTIA = [0.002, 0.24, 0.24]  # kg.m2
+BOOM = {"mass": "2 kg", "center_of_mass": ["0.6 m", 0, 0], "inertia": INERTIA, "points": {"root": [0, 0, 0]}}
+# axis, aligned angle, x of the hinge
+SIDES = {"right": ("+y", "90 deg", 0.5), "left": ("-y", "-90 deg", -0.5)}
 
 scene = fanfold.Scene("spinning_deployment", until="4 s")
 hub = scene.base(

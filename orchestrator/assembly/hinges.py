@@ -82,7 +82,7 @@ def line_latch(
         return LatchSetting("table", stiffness, damping, latch.measured, inertia)
     if low == high:
         return LatchSetting("spring", stiffness, damping, inertia=inertia)
-    curve = MeasuredLatch(
+    curve = MeasuredLatch.model_construct(  # of numbers in rad, not of what a person writes
         deflection=(low - 1.0, low, high, high + 1.0), torque=(-stiffness, 0.0, 0.0, stiffness)
     )
     return LatchSetting("table", stiffness, damping, curve, inertia, straight=True)

@@ -16,11 +16,13 @@ Edge = tuple[str, str]
 
 
 def bolted_lines(scene: PlacedScene) -> frozenset[str]:
-    """Names of lines beside a drive, or that close a chain of lines, joints and hold-downs, open without the last."""
+    """Lines beside an engaged drive, or closing a chain of lines, joints and hold-downs, open without the last."""
     roots = scene.group_roots
     lines, joints, bolts = _lines(scene), _between(scene, Hinge.kind), _between(scene, HoldDown.kind)
     driven = [
-        {roots[seat.body] for seat in c.ports.values()} for c in scene.connections if c.kind == Drive.kind
+        {roots[seat.body] for seat in c.ports.values()}
+        for c in scene.connections
+        if c.kind == Drive.kind and c.parameters.get("stiffness") != 0.0  # 0: it is disengaged
     ]
     found = set()
     for name, ends in lines.items():

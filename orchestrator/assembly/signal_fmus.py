@@ -301,7 +301,9 @@ class _Reader:
 
     def _known(self, name: str) -> Part:
         if name not in self._parts:
-            raise ValueError(unknown(name, [*self._lines, *self._parts, *self._readers], "component"))
+            raise ValueError(
+                f"{name!r} {unknown(name, [*self._lines, *self._parts, *self._readers], 'component')}"
+            )
         return self._parts[name]
 
     def _is_impulse(self, variable: Any, unit: str) -> bool:  # noqa: ANN401 - of FMPy

@@ -15,6 +15,8 @@ _FIXED = {
     "final angle, not latched": "unlatched_angle",
     "largest angle, no latch": "largest_angle",
     "final angle, no latch": "end_angle",
+    "unlatch time": "unlatch_time",
+    "last latch time": "last_latch_time",
     "final angle, unlatched": "restowed_angle",
     "attitude peak": "attitude_peak",
     "final attitude": "end_attitude",
@@ -36,6 +38,8 @@ _FIXED = {
 _UNITS = {
     "end_time": "s",
     "latch_time": "s",
+    "unlatch_time": "s",
+    "last_latch_time": "s",
     "latch_rate": "rad/s",
     "latch_energy": "J",
     "latch_impulse": "N.m.s",

@@ -18,6 +18,7 @@ from .damping import StructuralDamping
 from .data_sheets import with_entries
 from .event_tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
+from .joint_presets import kind_of
 from .layers import Layers, Setting, Tree, plugin_files, read_layers, resolved, with_absolute_files
 from .placed_scene import PlacedScene
 from .plugins.trust import trust_programs
@@ -209,7 +210,7 @@ class Scene:
     ) -> str:
         """Add any registered component, [[connection]]: ports as (body, point), or tables with an offset.
 
-        Further keys: structure, parameters, preset (of a hinge; replaces kind), axes.
+        Further keys: structure, parameters, preset (a joint; replaces kind), axes.
         """
         seats = {
             port: dict(zip(("body", "point"), seat, strict=True))
@@ -217,7 +218,7 @@ class Scene:
             else seat
             for port, seat in ports.items()
         }
-        kind = "hinge" if kind is None and "preset" in keys else kind
+        kind = kind_of(keys["preset"]) if kind is None and "preset" in keys else kind
         of_kind = {} if kind is None else {"kind": kind}
         return self._add("connection", Connection, {"name": name, **of_kind, "ports": seats, **keys})
 

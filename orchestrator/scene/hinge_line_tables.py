@@ -333,7 +333,9 @@ class Latch(Table):
     """Damping ratio of the latched line; with structural damping of the scene it has that instead."""
     measured: MeasuredLatch | None = None
     """Measured torque of the hinges, in place of a spring where both sides are modelled with compliance."""
-    play: PositiveAngle | None = None
+    play: Annotated[
+        PositiveAngle | None, Plausible("W-end-data", "rad", most=0.1, reason="milliradians are usual")
+    ] = None
     """Deflection either way within which the latch is loose; its stiffness and damping act beyond."""
 
     @property

@@ -25,6 +25,11 @@ DISTANCE = "distance"
 """Preset that holds the distance of two points, by a stiff spring."""
 
 
+def kind_of(preset: object) -> str:
+    """Kind of component that a preset is."""
+    return "spring" if preset == DISTANCE else "hinge"
+
+
 def with_presets(tree: Tree) -> Tree:
     """The tree where connections with a preset are components with their stiffnesses, unless they say others."""
     entries = tree.get("connection")
@@ -41,11 +46,11 @@ def _joined(tree: Tree, entry: Tree) -> Tree:
     given, structure = entry.get("parameters", {}), entry.get("structure", {})
     if not isinstance(given, dict) or not isinstance(structure, dict):
         return entry
+    entry = {**entry, "kind": entry.get("kind", kind_of(entry["preset"]))}
     if entry["preset"] == DISTANCE:
-        return {**entry, "kind": entry.get("kind", "spring"), "parameters": _rod(tree, given) | given}
+        return {**entry, "parameters": _rod(tree, given) | given}
     return {
         **entry,
-        "kind": entry.get("kind", "hinge"),
         "structure": {"axis": _AXIS} | structure,
         "parameters": _parameters(tree, entry["preset"], given) | given,
     }

@@ -32,7 +32,7 @@ def _of(key: str, value: object) -> Iterator[str]:
             inner = getattr(value, name)
             yield from _of(f"{key}.{name}", inner)
             for plausible in field.metadata:
-                if isinstance(plausible, Plausible):
+                if isinstance(plausible, Plausible) and inner is not None:
                     yield from plausible.warnings(f"{key}.{name}:", inner)
 
 

@@ -98,6 +98,12 @@ def test_native_and_python_agree():
         )
 
 
+def test_a_play_of_a_radian_is_doubted():
+    """Rule: it is a likely mistake of units, and no more than that. Regression: it ended with a traceback."""
+    with pytest.warns(fanfold.FanfoldWarning, match=r"latch\.play.*0\.1 rad.*W-end-data"):
+        fanfold.simulate(leaf(play="1 rad"), estimate=False)
+
+
 @pytest.mark.parametrize(
     ("latch", "key"),
     [

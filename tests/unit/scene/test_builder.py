@@ -54,6 +54,18 @@ def full():
     return scene
 
 
+def test_presets_are_joints_of_their_kind():
+    """Rule: as in files, a distance is held by a spring and every other joint is a hinge."""
+    scene = fanfold.Scene("rods", until=1)
+    base = scene.base(points={"root": ORIGIN, "far": (2.0, 0.0, 0.0)})
+    for preset, parameters in (("distance", {"preload_length": "2 m"}), ("spherical", {})):
+        rigid = {"mass": 1, "center_of_mass": ORIGIN, "inertia": (1, 1, 1), "points": {"end": ORIGIN}}
+        body = scene.body(f"of_{preset}", rigid=rigid, place={"body": base, "point": "far"})
+        ports = {"inboard": (base, "root" if parameters else "far"), "outboard": (body, "end")}
+        scene.connection(preset, preset=preset, ports=ports, parameters=parameters)
+    assert [one.kind for one in scene.check().connections] == ["spring", "hinge"]
+
+
 def test_a_scene_is_checked_again_only_after_a_change():
     """Bookkeeping: the same records until something is laid over it or added, which never reaches records told of."""
     scene = full()

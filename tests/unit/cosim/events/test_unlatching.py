@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import orchestrator as fanfold
+from orchestrator.results.identifiers import unit_of
 from tests.references.native_fmus import needs_native
 from tests.unit.run.as_one.host import Host
 
@@ -56,6 +57,13 @@ def test_latch_times_are_closed_forms(restowed):
     found = restowed.headline.unlatchings["HL"]
     assert (found.time, found.again) == (GONE, events["HL latch-up"])
     assert restowed.headline.not_opened == {}
+
+
+def test_requirements_know_its_numbers(restowed):
+    """Definition: identifiers of all headline numbers may stand in requirements, in their units."""
+    numbers = list(restowed.headline.numbers())
+    assert {"unlatch_time.HL", "last_latch_time.HL"} <= {number.id for number in numbers}
+    assert {number.id: unit_of(number.id) for number in numbers} == {n.id: n.unit for n in numbers}
 
 
 def test_what_a_latch_stores_becomes_heat(restowed):
