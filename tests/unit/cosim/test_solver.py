@@ -240,6 +240,7 @@ def test_damaged_tables_are_refused():
         "matrix_length",
         "latch_distance",
         "latch_command",
+        "unlatch_command",
     }
     for name, values in sound.items():
         if name in numbers or not values.size:
