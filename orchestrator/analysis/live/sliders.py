@@ -55,6 +55,18 @@ class Slider:
             text = ", ".join(self.keys)
         return f"{text}, factor" if self.factor else text
 
+    @property
+    def title(self) -> str:
+        """Short name for a page: of a component and what of it slides, without the table that it is in."""
+        texts = dict.fromkeys(_words(key.rpartition(".")[0]) for key in self.keys)
+        last = (key.rpartition(".")[2].replace("_", " ") for key in self.keys)
+        return f"{', '.join(texts)} {' and '.join(dict.fromkeys(last))}".strip()
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit for a page, where a factor is one of the values in the scene."""
+        return "times" if self.factor else self.unit
+
     def settings(self, tree: Tree, value: float) -> Settings:
         """What gives the keys of a scene's tree a value."""
         return multiplied(tree, self.keys, value) if self.factor else written_to(self.keys, value, self.unit)
@@ -66,6 +78,12 @@ class Slider:
     def between(self, low: float, high: float) -> Slider:
         """The same over another range."""
         return replace(self, low=low, high=high)
+
+
+def _words(table: str) -> str:
+    """Name of a table without the kind of components it is one of, such as "HL1 motor" of hinge_line.HL1.motor."""
+    kind, dot, rest = table.partition(".")
+    return (rest if dot else kind).replace(".", " ").replace("_", " ")
 
 
 def slider(text: str, tree: Tree) -> Slider:

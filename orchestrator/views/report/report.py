@@ -51,7 +51,8 @@ def report(
 
     title = result.provenance.get("scene", _file(result))
     found = [_judged(one, limits) for one in (result, *others[:1])]
-    opening, numbers = [*_opening(result, title, author, found)], [*_numbers(found)]
+    opening, judged = _title_block(result, title, author), [*_judgement(result, found)]
+    numbers = [*_numbers(found)]
     every, events = [*_every_number(result, found[0])], [*_events(result)]
     figures = [*_figures(result)] if live is None else []  # the plots of the page show every run
     compared = [
@@ -67,7 +68,11 @@ def report(
         if live is None
         else _live(result, found[0], live, frame_count)
     )
-    sections = {
+    if live is None:
+        shown, sections = [opening, *judged, *moving, *numbers], dict[str, list[str]]()
+    else:
+        shown, sections = [opening, *moving], {f"Stored result, {_file(result)}": [*judged, *numbers]}
+    sections |= {
         "Every headline number": every,
         "Events": events,
         "Figures": figures,
@@ -75,7 +80,7 @@ def report(
         "Provenance": [*_provenance(result)],
     }
     rest = [folded(heading, "\n".join(parts)) for heading, parts in sections.items() if parts]
-    return page(f"{title}: {_file(result)}", [*opening, *moving, *numbers, *rest])
+    return page(f"{title}: {_file(result)}", [*shown, *rest])
 
 
 def _judged(result: Result, limits: Sequence[str]) -> Headline:
@@ -88,9 +93,8 @@ def _file(result: Result) -> str:
     return result.name if result.path is None else result.path.name
 
 
-def _opening(result: Result, title: str, author: str, found: Sequence[Headline]) -> Iterator[str]:
-    """Title block, verdict, requirements, warnings."""
-    from .page import heading, paragraph, table, title_block
+def _title_block(result: Result, title: str, author: str) -> str:
+    from .page import title_block
 
     scene = _scene_tree(result).get("scene")
     description = scene.get("description") if isinstance(scene, dict) else None
@@ -103,15 +107,35 @@ def _opening(result: Result, title: str, author: str, found: Sequence[Headline])
         "tolerance": known.get("tolerance", ""),
         "Fanfold": known.get("fanfold", ""),
     }
-    yield title_block(title, f"{description}." if description else "", facts)
-    yield paragraph(found[0].verdict, "verdict" if _is_good(found[0]) else "verdict bad")
-    for letter, one in zip("AB", found, strict=False):
-        if rows := requirement_rows(one):
-            yield heading("Requirements" if len(found) == 1 else f"Requirements, {letter}")
-            yield table(REQUIREMENT_HEADINGS, rows, numeric=(1, 2), marked={"not met", "no such number"})
+    return title_block(title, f"{description}." if description else "", facts)
+
+
+def _judgement(result: Result, found: Sequence[Headline]) -> Iterator[str]:
+    """Verdict of each result, requirements, warnings."""
+    from .page import heading, paragraph, table
+
+    for letter, one in zip(_letters(found), found, strict=True):
+        told = f"{letter}: {one.verdict}" if letter else one.verdict
+        yield paragraph(told, "verdict" if _is_good(one) else "verdict bad")
+    by_text = [{row.requirement: row for row in requirement_rows(one)} for one in found]
+    if texts := list(dict.fromkeys(text for one in by_text for text in one)):
+        first, *others = REQUIREMENT_HEADINGS
+        heads = [first, *others] if len(found) == 1 else [first, *("A", *others[1:]), *("B", *others[1:])]
+        rows = [
+            (text, *(cell for one in by_text for cell in one.get(text, ("", *["-"] * len(others)))[1:]))
+            for text in texts
+        ]
+        numeric = [k for k in range(1, len(heads)) if k % len(others)]
+        yield heading("Requirements")
+        yield table(heads, rows, numeric=numeric, marked={"not met", "no such number"})
     for sentence in messages(result, found[0]):
         if not is_note(sentence):
             yield paragraph(f"Warning: {sentence}", "warning")
+
+
+def _letters(found: Sequence[Headline]) -> Sequence[str]:
+    """Of results that are compared; empty for one alone."""
+    return "AB" if len(found) > 1 else ("",)
 
 
 def _is_good(found: Headline) -> bool:
@@ -224,20 +248,22 @@ def _animation(results: Sequence[Result], count: int) -> Iterator[str]:
 
 
 def _live(result: Result, found: Headline, model: LiveModel, count: int) -> Iterator[str]:
-    """Sliders and numbers of a run in the page, then what shows it."""
+    """Sliders and verdict of a run in the page, then what shows it, and its numbers."""
     from .animation import frames
     from .live import part
     from .page import heading
     from .scene3d.content import content
     from .scene3d.fragment import plots, scripts, space
 
-    page_content = content([result], "A", [_file(result)])
+    page_content = content([result], "A", [_file(result)], stresses=False)
     data = part.data(result, found, model, page_content.data)
-    yield heading("A run of your own")
+    yield heading("Run in this page")
     yield part.elements(model)
     if page_content.has_bodies:
         yield heading("Deployment")
         yield space(frames(result, count), page_content)
+    yield heading("Main numbers")
+    yield part.numbers()
     yield heading("Over time")
     yield plots()
     yield data

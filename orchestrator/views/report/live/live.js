@@ -7,6 +7,14 @@ const inflated = async text => {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 };
 
+/** A number rounded to its error, with eight digits at most; without one to four digits. */
+const toError = (value, error) => {
+  if (!error) return String(Number(value.toPrecision(4)));
+  const size = value ? Math.floor(Math.log10(Math.abs(value))) : 0;
+  const decimals = Math.min(-Math.floor(Math.log10(Number(error.toPrecision(1)))), 7 - size);
+  return decimals < 0 ? String(Number(value.toPrecision(Math.max(size + decimals + 1, 1)))) : value.toFixed(decimals);
+};
+
 /** A key of the scene between two values, and the numbers in the FMU's data that it moves. */
 class Slider {
   constructor(content) {
@@ -50,9 +58,8 @@ class Slider {
 
 /** Rows of a run, as the picture and the plots need them. */
 class LiveRun {
-  constructor(content, rows, name, settings) {
+  constructor(content, rows, name) {
     this.name = name;
-    this.settings = settings;
     this.width = content.width;
     this.rows = rows;
     this.clock = Float64Array.from({ length: content.points + 1 }, (_, k) => (k * content.until) / content.points);
@@ -103,9 +110,15 @@ class LiveRun {
   /** What goes into a picture and plots in place of what is there. */
   shown(content) {
     const part = (columns, fromStart) => ({ clock: this.clock, values: this.sums(columns, fromStart) });
+    const load = columns => {
+      const { clock, values } = part(columns);
+      let peak = 0;
+      for (let row = 0; row < values.length; row += 3) peak = Math.max(peak, Math.hypot(values[row], values[row + 1], values[row + 2]));
+      return { clock, values, peak };
+    };
     return {
       bodies: content.bodies.map(body => this.motion(body)),
-      loads: content.loads.map(load => part(load)),
+      loads: content.loads.map(load),
       curves: content.curves.map(curve => part([curve.terms], curve.from_start)),
       events: this.events,
       clock: this.clock,
@@ -125,14 +138,16 @@ class Live {
     this.sliders = content.sliders.map(one => new Slider(one));
     this.products = new Set(content.products);
     this.number = 0;
-    this.kept = [{ name: "stored result", numbers: content.numbers.map(one => one.value), shown: this.taken(1) }];
+    this.kept = [{ letter: "stored", name: "Stored result", numbers: content.numbers.map(one => one.value), verdict: content.verdict, shown: this.taken(1) }];
     this.reference = this.kept[0];
     this.rows = content.numbers.map(number => this.row(number));
+    this.judged = content.requirements.map(one => this.requirementRow(one));
+    byId("live-requirements").hidden = !content.requirements.length;
     this.sliders.forEach(one => this.control(one));
     byId("live-reset").addEventListener("click", () => this.reset());
     byId("live-keep").addEventListener("click", () => this.keep());
     byId("live-reference").addEventListener("change", event => this.compare(this.kept[Number(event.target.value)]));
-    byId("live").hidden = false;
+    byId("live").hidden = byId("live-tables").hidden = false;
   }
 
   /** Begin: the library and the data, then a run with the values of the scene. */
@@ -148,11 +163,12 @@ class Live {
 
   control(slider) {
     const place = byId("live-sliders");
-    const label = element("label", place, slider.label);
+    const label = element("label", place, slider.title);
+    label.title = slider.name;
     const [range, exact] = ["range", "number"].map(kind => {
       const input = element("input", place);
       Object.assign(input, { type: kind, min: slider.low, max: slider.high, step: "any", value: slider.start });
-      input.setAttribute("aria-label", `${slider.label}${slider.unit && `, ${slider.unit}`}`);
+      input.setAttribute("aria-label", `${slider.title}${slider.unit && `, ${slider.unit}`}`);
       return input;
     });
     range.id = `live-${slider.name}`;
@@ -187,7 +203,7 @@ class Live {
     const bytes = this.data.slice();
     const view = new DataView(bytes.buffer);
     for (const slider of this.sliders) slider.move(view, this.products);
-    this.settings = this.sliders.filter(one => one.value !== one.start).map(one => `${one.name} ${written(one.value)} ${one.unit}`.trim());
+    this.settings = this.sliders.filter(one => one.value !== one.start).map(one => `${one.title} ${written(one.value)} ${one.unit}`.trim());
     this.tell("running");
     this.number += 1;
     this.worker.postMessage({ number: this.number, bytes, ...picked(this.content, ["token", "first", "width", "until", "points"]) });
@@ -210,31 +226,35 @@ class Live {
   }
 
   take({ rows, seconds }) {
-    this.last = new LiveRun(this.content, rows, this.settings.join(", ") || "values of the scene", this.settings);
+    this.last = new LiveRun(this.content, rows, this.settings.join(", ") || "values of the scene");
     this.last.shown = this.last.shown(this.content);
+    this.last.verdict = this.verdict(this.last);
     this.put(0, this.last.shown);
     byId("live-keep").disabled = false;
+    byId("live-name").textContent = `This run: ${this.last.name}`;
     const verdict = byId("live-verdict");
-    verdict.textContent = this.verdict(this.last);
-    verdict.classList.toggle("bad", / not (latched|met)/.test(verdict.textContent));
+    verdict.textContent = this.last.verdict;
+    verdict.classList.toggle("bad", / not (latched|met)/.test(this.last.verdict));
     this.fill();
-    this.tell(`${this.last.name}: ${seconds.toFixed(2)} s`);
+    this.tell(`run in ${seconds.toFixed(2)} s`);
     byId("live").dataset.run = this.number;
   }
 
   keep() {
+    const number = this.kept.length;
+    Object.assign(this.last, { letter: `kept ${number}`, name: `Kept run ${number}: ${this.last.name}` });
     this.kept.push(this.last);
-    const option = element("option", byId("live-reference"), this.last.name);
-    option.value = this.kept.length - 1;
-    byId("live-reference").value = option.value;
+    element("option", byId("live-reference"), this.last.name).value = number;
+    byId("live-reference").value = number;
     byId("live-keep").disabled = true;
     this.compare(this.last);
   }
 
   compare(reference) {
     this.reference = reference;
+    this.plots.call(1, reference.letter);
+    if (this.view) this.view.shown[1].label = this.referenceName();
     this.put(1, reference.shown);
-    byId("live-reference-name").textContent = reference.name;
     this.fill();
   }
 
@@ -243,7 +263,7 @@ class Live {
     const shown = this.view ? this.view.shown[which] : { bodies: [], loads: [] };
     return {
       bodies: shown.bodies.map(body => picked(body, BODY_PARTS)),
-      loads: shown.loads.map(load => picked(load, ["clock", "values"])),
+      loads: shown.loads.map(load => picked(load, ["clock", "values", "peak"])),
       curves: this.curves(which).map(curve => picked(curve, ["clock", "values"])),
       events: this.plots.results[which].events,
     };
@@ -269,44 +289,80 @@ class Live {
     this.plots.draw();
   }
 
-  row(number) {
-    const row = element("tr", byId("live-numbers").tBodies[0]);
-    element("td", row, number.quantity);
-    element("td", row, number.of);
-    const cells = Array.from({ length: 4 }, () => element("td", row));
-    for (const cell of cells) cell.className = "n";
-    element("td", row, number.unit);
-    return cells;
-  }
-
-  fill() {
-    this.content.numbers.forEach((number, k) => {
-      const size = number.factor;
-      const text = value => (number.is_time && value < 0 ? "not latched" : String(Number((size * value).toPrecision(6))));
-      const [stored, run] = [this.reference.numbers[k], this.last.numbers[k]];
-      const isThere = !number.is_time || (stored >= 0 && run >= 0);
-      const off = isThere ? String(Number((size * (run - stored)).toPrecision(2))) : "";
-      const error = number.error === null ? "" : String(Number((size * number.error).toPrecision(1)));
-      [text(stored), text(run), off, error].forEach((words, column) => { this.rows[k][column].textContent = words; });
-      this.rows[k][1].classList.toggle("bad", number.limits.some(limit => !this.meets(number, run, limit)));
+  /** Cells of a row, its texts on the left of `count` numbers. */
+  cells(table, texts, count) {
+    const row = element("tr", byId(table).tBodies[0]);
+    for (const text of texts) element("td", row, text);
+    return Array.from({ length: count }, () => {
+      const cell = element("td", row);
+      cell.className = "n";
+      return cell;
     });
   }
 
-  /** Whether a number of a run meets a requirement; what has not happened meets none. */
-  meets(number, value, limit) {
-    const isThere = !number.is_time || value >= 0;
-    return isThere && (limit.sign === "<" ? value < limit.value : value > limit.value);
+  row(number) {
+    const cells = this.cells(number.is_main ? "live-numbers" : "live-others", [number.quantity, number.of], 4);
+    element("td", cells[0].parentElement, number.unit);
+    return cells;
+  }
+
+  requirementRow(one) {
+    const cells = this.cells("live-requirements", [one.text], 3);
+    return [...cells, element("td", cells[0].parentElement)];
+  }
+
+  /** Numbers of the run and of what it is compared with, rounded to the error; titles of cells have more digits. */
+  fill() {
+    for (const cell of document.querySelectorAll(".live-reference-name")) cell.textContent = this.referenceName();
+    byId("live-reference-verdict").textContent = `${this.reference.name}. ${this.reference.verdict}`;
+    this.content.numbers.forEach((number, k) => {
+      const { factor, is_time: isTime } = number;
+      const error = factor * (number.error || 0);
+      const [stored, run] = [this.reference.numbers[k], this.last.numbers[k]];
+      const text = value => (isTime && value < 0 ? "not latched" : toError(factor * value, error));
+      const isThere = !isTime || (stored >= 0 && run >= 0);
+      const off = factor * (run - stored);
+      const told = Math.abs(off) <= error ? "within the error" : `${off > 0 ? "+" : ""}${toError(off, error)}`;
+      const texts = [text(stored), text(run), isThere ? told : "", error ? String(Number(error.toPrecision(1))) : ""];
+      texts.forEach((words, column) => { this.rows[k][column].textContent = words; });
+      [stored, run].forEach((value, column) => { this.rows[k][column].title = written(factor * value); });
+    });
+    const stored = this.requirements(this.reference);
+    this.requirements(this.last).forEach(({ value, margin, state }, k) => {
+      const reference = this.reference === this.kept[0] ? this.content.requirements[k].stored : stored[k].value;
+      const texts = [reference, value, margin, state];
+      texts.forEach((words, column) => { this.judged[k][column].textContent = words; });
+      this.judged[k][3].classList.toggle("bad", state === "not met");
+    });
+  }
+
+  referenceName() {
+    return this.reference === this.kept[0] ? "stored result" : this.reference.letter;
+  }
+
+  /** Every requirement on a number of a run: value, margin and state, as the report has them. */
+  requirements(run) {
+    return this.content.requirements.map(one => {
+      const k = this.content.numbers.findIndex(number => number.id === one.id);
+      const number = this.content.numbers[k];
+      const found = number ? run.numbers[k] : 0;
+      if (!number || (number.is_time && found < 0)) return { ...one, value: "-", margin: "-", state: number ? "not met" : "only in the stored result" };
+      const error = one.factor * (number.error || 0);
+      const left = one.factor * (one.sign === "<" ? one.limit - found : found - one.limit);
+      const state = Math.abs(left) < error ? "within the error" : left > 0 ? "met" : "not met";
+      const text = value => `${toError(value, error)} ${one.unit}`.trim();
+      return { ...one, value: text(one.factor * found), margin: text(left), state };
+    });
   }
 
   /** How many requirements a run meets, and which it does not. */
-  requirements(run) {
-    const every = this.content.numbers.flatMap((number, k) => number.limits.map(limit => ({
-      text: `${limit.text}${limit.text.includes(`.${number.of}`) ? "" : ` for ${number.of}`}`, meets: this.meets(number, run.numbers[k], limit),
-    })));
-    const missed = every.filter(one => !one.meets);
+  judgement(run) {
+    const every = this.requirements(run).filter(one => one.state !== "only in the stored result");
+    const missed = every.filter(one => one.state !== "met");
     if (!every.length) return "";
     if (!missed.length) return every.length === 1 ? " The requirement is met." : ` All ${every.length} requirements are met.`;
-    return ` ${missed.length} of ${every.length} requirements not met: ${missed.map(one => one.text).join(", ")}.`;
+    const named = missed.map(one => `${one.text} (${one.value})`).join(", ");
+    return ` ${missed.length} of ${every.length} requirements ${missed.length === 1 ? "is" : "are"} not met: ${named}.`;
   }
 
   /** What became of a run, in a few sentences. */
@@ -327,14 +383,14 @@ class Live {
     if (!lines.length) told.push(`The run reached its end at ${four(this.content.until)} s.`);
     const loads = base.map(one => `${four(run.end[one.column])} ${one.unit}`);
     if (base.some(one => run.end[one.column] > 0)) told.push(`Largest load on the spacecraft ${loads.join(", ")}.`);
-    return told.join(" ") + this.requirements(run);
+    return told.join(" ") + this.judgement(run);
   }
 }
 
 /** The page's results with one more in front, which has what the first one has until the page has run. */
 const withRun = results => [
-  { ...results[0], letter: "run", label: "this run", bodies: results[0].bodies.map(body => ({ ...body, stress: null })) },
-  { ...results[0], letter: "stored", label: "compared with" },
+  { ...results[0], letter: "run", label: "this run" },
+  { ...results[0], letter: "stored", label: "stored result" },
 ];
 
 const startLive = (view, plots, clock) => {
@@ -342,6 +398,7 @@ const startLive = (view, plots, clock) => {
   live.start().catch(error => {
     byId("live").hidden = true;
     byId("live-missing").hidden = false;
+    document.querySelector("details.rest").open = true; // the stored result
     byId("live-missing").textContent = `The wing does not run in this browser: ${error.message}.`;
   });
 };

@@ -18,14 +18,15 @@ from fmus.compiled import NO_GUID
 from ....analysis.live.model import LiveModel
 from ....analysis.live.sliders import LiveError
 from ....cosim.rows import SCENE_CHANNELS, recorded_layout
-from ....results.identifiers import in_order
+from ....results.identifiers import unit_of
 from ....results.key_figures import Headline, max_of, peak_of, shown
-from ....results.number import Number
 from ....results.point_loads import port_loads
 from ....results.recorder import MemoryRecorder, SignalGroup
+from ....results.requirements import Judged
 from ....results.result import Result
+from ....results.short_table import requirement_rows
 from ....scene.requirement_tables import limit
-from ....scene.units import in_unit
+from ....scene.units import UNITS, in_unit
 from ..scene3d.curves import panels
 from ..scene3d.numbers import double, safe_json, whole
 
@@ -35,6 +36,8 @@ _POINTS = 2000
 MARK = '<script type="application/json" id="live-data">'
 """What the data of a page with a live part begin with."""
 _PLATFORM = "wasm32"
+_MAIN = "latch", "interface"
+"""What the names of main numbers begin with; those of cables and dampers are folded."""
 
 
 def library() -> bytes:
@@ -56,11 +59,16 @@ def script() -> str:
 
 
 def elements(model: LiveModel) -> str:
-    """Sliders, verdict and numbers, which the script fills, and which usual keys do not slide."""
+    """Sliders, verdicts and requirements, which the script fills, and which usual keys do not slide."""
     rows = "".join(f"<li>{escape(sentence)}</li>" for sentence in model.dropped)
     return _text("live.html") + (
         f"<details><summary>Keys that do not slide</summary><ul>{rows}</ul></details>" if rows else ""
     )
+
+
+def numbers() -> str:
+    """Tables of numbers, which the script fills."""
+    return _text("numbers.html")
 
 
 def data(result: Result, headline: Headline, model: LiveModel, content: Mapping[str, object]) -> str:
@@ -81,7 +89,8 @@ def data(result: Result, headline: Headline, model: LiveModel, content: Mapping[
         "points": _POINTS,
         "sliders": [
             {
-                **{name: getattr(one, name) for name in ("name", "label", "unit", "low", "high", "start")},
+                **{name: getattr(one, name) for name in ("name", "title", "low", "high", "start")},
+                "unit": one.shown_unit,
                 "offsets": whole(model.offsets[moved.places]),
                 "values": double(moved.values),
             }
@@ -91,6 +100,11 @@ def data(result: Result, headline: Headline, model: LiveModel, content: Mapping[
         "lines": list(_lines(result, columns)),
         "base": list(_base(columns)),
         "numbers": list(_numbers(headline, columns)),
+        "requirements": [
+            {**_requirement(one), "stored": row.value}
+            for one, row in zip(headline.requirements, requirement_rows(headline), strict=True)
+        ],
+        "verdict": headline.verdict,
         "bodies": [_motion(body, columns) for body in of_result["bodies"]],  # type: ignore[attr-defined]
         "loads": list(_loads(of_result, columns)),
         "curves": list(_curves(result, columns)),
@@ -170,7 +184,8 @@ def _numbers(headline: Headline, columns: Columns) -> Iterator[dict[str, object]
         if (output := of_outputs.get(number.key)) is not None:
             unit, factor = shown(number.unit)
             yield {
-                "quantity": number.quantity.replace(" magnitude", ""),
+                "id": number.id,
+                "quantity": number.quantity.replace(" magnitude", "").replace("interface", "spacecraft"),
                 "of": number.of,
                 "value": number.value,
                 "error": number.error,
@@ -178,20 +193,22 @@ def _numbers(headline: Headline, columns: Columns) -> Iterator[dict[str, object]
                 "factor": factor,
                 "is_time": number.quantity == "latch time",
                 "column": output,
-                "limits": [_limit(one, number) for one in headline.limits if _is_about(one, number)],
+                "is_main": number.quantity.startswith(_MAIN),
             }
 
 
-def _is_about(text: str, number: Number) -> bool:
-    """Whether a requirement is on a number, by its identifier or that of the numbers of all components."""
-    name = in_order(limit(text).number)
-    return name in (number.id, number.id.partition(".")[0])
-
-
-def _limit(text: str, number: Number) -> dict[str, object]:
-    """A requirement on a number, in its unit."""
-    one = limit(text)
-    return {"text": text, "sign": one.sign, "value": in_unit(one.value, number.unit)}
+def _requirement(one: Judged) -> dict[str, object]:
+    """A requirement on a number, and what turns this into the unit of the limit."""
+    found = limit(one.text)
+    unit = unit_of(found.number)
+    return {
+        "text": one.text,
+        "id": found.number,
+        "sign": found.sign,
+        "limit": in_unit(found.value, unit),
+        "unit": "" if one.unit == "1" else one.unit,
+        "factor": 1.0 / UNITS.get(unit, {}).get(one.unit, 1.0),
+    }
 
 
 def _outputs_of(headline: Headline, columns: Columns) -> dict[tuple[str, str], int]:

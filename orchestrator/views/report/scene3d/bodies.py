@@ -69,14 +69,22 @@ class ShownBody(NamedTuple):
 
 
 def moving_bodies(
-    result: Result, bodies: dict[str, Geometry], rows: Rows, size: float, room: Room, remarks: list[str]
+    result: Result,
+    bodies: dict[str, Geometry],
+    rows: Rows,
+    size: float,
+    room: Room | None,
+    remarks: list[str],
 ) -> list[ShownBody]:
-    """Bodies for the page; rows (n,) rise in time; size (m): of all that is shown; remarks: gets what lacks."""
+    """Bodies for the page; rows (n,) rise in time; size (m): of all that is shown; remarks: gets what lacks.
+
+    room: for stresses, None to show none.
+    """
     found = []
     for name, body in bodies.items():
-        stresses = _plate(result, name, body, remarks)
+        stresses = None if room is None else _plate(result, name, body, remarks)
         stress = None if stresses is None else _stress(result.time, stresses, rows)
-        if stress is not None and not room.takes(stress["rows"]):
+        if room is not None and stress is not None and not room.takes(stress["rows"]):
             remarks.append(f"Stress of {name} is not shown, because the page would be too large")
             stresses = stress = None
         found.append(_body(result, name, body, rows, _SHARE_OF_SIZE * size, stresses, stress))

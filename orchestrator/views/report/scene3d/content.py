@@ -53,10 +53,13 @@ def content(
     labels: Sequence[str],
     of: PlacedScene | None = None,
     unit: str = "s",
+    *,
+    stresses: bool = True,
 ) -> Content:
     """Data of results, which are called by letters in curves and by labels in pictures.
 
     of: their scene, by default the one that each holds. unit: of their time; one other than s plays in a few seconds.
+    stresses: whether plates have theirs.
     """
     room, remarks = Room(), list[str]()
     boxes, made, bodies = list[tuple[Vector, Vector]](), list[dict[str, object]](), list[ShownBody]()
@@ -70,7 +73,7 @@ def content(
             size = float(np.linalg.norm(boxes[-1][1] - boxes[-1][0])) or 1.0
             every = shown | _spacecraft(result, scene)  # in place of the plane through its points
             every |= _frames(result, every)
-            found = moving_bodies(result, every, rows, size, room, remarks)
+            found = moving_bodies(result, every, rows, size, room if stresses else None, remarks)
             for one in found:
                 one.data["thickness"] = 0.0 if scene is None else thickness(scene, one.name)
                 one.data["is_base"] = scene is not None and one.name == scene.base.name

@@ -72,7 +72,10 @@ class Labels {
     if (options.stressLimit > 0) this.cover.mark(whole - 110, 0, whole, 0.72 * height, 2);
     for (const part of parts) {
       const [x, width] = [part.x / options.scale, part.width / options.scale];
-      if (part.caption) this.text(part.caption, x + 10, 16, "left");
+      if (part.caption) {
+        this.text(part.caption, x + 10, 16, "left");
+        this.cover.mark(x, 0, x + 20 + pen.measureText(part.caption).width, 28, 2);
+      }
       const toClip = camera.toClip(width / height);
       const onScreen = place => this.onScreen(place, toClip, x, width, height);
       for (const { number } of part.shown.slice(0, 1)) {

@@ -190,7 +190,7 @@ class View {
       const words = found.length ? [`largest stress: ${found.join(", ")}`] : [];
       if (byId("view-loads").checked && one.loads.length) {
         const now = load => length(interpolated(load.values, 3, between(load.clock, this.clock.time), [0, 0, 0]));
-        const isSeen = load => now(load) > 1e-3 * one.peaks[load.unit];
+        const isSeen = load => now(load) > 1e-3 * one.peak(load.unit);
         const loads = one.loads.filter(isSeen).map(load => `${load.name} ${digits(now(load), 3)} ${load.unit}`);
         if (loads.length) words.push(`loads on the spacecraft: ${loads.join(", ")}`);
       }
@@ -271,6 +271,7 @@ const start = () => {
   if (isLive) {
     content.results = withRun(content.results);
     byId("view-arrangement").value = "over";
+    [...byId("view-arrangement").options].slice(2).forEach((option, k) => { option.text = ["this run", "what it is compared with"][k]; });
   }
   const clocks = content.results.map(result => decoded(result.clock));
   const theme = new Theme();

@@ -56,8 +56,11 @@ class Shown {
     }));
     this.base = this.bodies.find(body => body.isBase);
     this.trails = new Map();
-    this.peaks = { N: 0, "N.m": 0 };
-    for (const load of this.loads) this.peaks[load.unit] = Math.max(this.peaks[load.unit], load.peak);
+  }
+
+  /** Largest load of a unit in the run. */
+  peak(unitName) {
+    return Math.max(0, ...this.loads.filter(load => load.unit === unitName).map(load => load.peak));
   }
 
   move(time, factor, isStressed = false) {
@@ -127,7 +130,7 @@ class Shown {
   /** An arrow as long as its load, of the largest in the run; torques have two heads. */
   arrow(load, time, size, lines) {
     const value = interpolated(load.values, 3, between(load.clock, time), [0, 0, 0]);
-    const share = length(value) / (this.peaks[load.unit] || 1);
+    const share = length(value) / (this.peak(load.unit) || 1);
     if (share < 5e-3) return;
     const start = load.point.here();
     const along = unit(load.point.direction(value));

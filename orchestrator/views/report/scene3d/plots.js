@@ -21,15 +21,20 @@ const ticks = (low, high, count) => {
 class Curve {
   constructor(content, clock, number, result, letter, colour) {
     const rows = content.rows && decoded(content.rows);
-    this.letter = letter; // of its result, empty of one alone
     this.result = result;
     this.name = content.label;
-    this.label = `${letter}${content.label}`;
+    this.call(letter);
     this.values = decoded(content.values);
     this.clock = rows ? Float64Array.from(rows, row => clock[row]) : clock;
     this.tint = colour;
     this.dash = DASHES[(number + 3 * result) % DASHES.length];
     this.width = result ? 1 : 1.5;
+  }
+
+  /** letter: of its result, empty of one alone. */
+  call(letter) {
+    this.letter = letter;
+    this.label = `${letter}${this.name}`;
   }
 
   /** Largest magnitude. */
@@ -300,6 +305,19 @@ class Plots {
 
   readAt() {
     return this.hovered === null ? this.clock.time : this.hovered;
+  }
+
+  /** Give one of two results another name. */
+  call(number, letter) {
+    this.results[number].letter = letter;
+    for (const plot of this.list) {
+      plot.curves.forEach((curve, k) => {
+        if (curve.result !== number) return;
+        curve.call(`${letter}: `);
+        plot.readings[k].previousElementSibling.textContent = curve.label;
+      });
+    }
+    this.follow();
   }
 
   follow() {

@@ -58,10 +58,10 @@ def wait(page, run):
 
 
 def numbers(page):
-    """Cells of the table by quantity and component."""
+    """Numbers of the reference and the run by quantity and component, with all their digits, and what differs."""
     rows = page.run("""[...document.querySelectorAll("#live-numbers tbody tr")]
-        .map(row => [...row.children].map(cell => cell.textContent))""")
-    return {(row[0], row[1]): [float(cell) for cell in row[2:5]] for row in rows}
+        .map(row => [...row.children].map(cell => cell.title || cell.textContent))""")
+    return {(row[0], row[1]): [*map(float, row[2:4]), row[4]] for row in rows}
 
 
 @pytest.mark.usefixtures("result")
@@ -76,7 +76,8 @@ class TestPage:
         words = page.run("document.getElementById('live-verdict').textContent")
         assert words.startswith(result.headline.verdict)
         found = numbers(page)
-        assert found["latch time", "HL"] == pytest.approx([result.latch_times["HL"]] * 2 + [0.0], abs=1e-5)
+        assert found["latch time", "HL"][:2] == pytest.approx([result.latch_times["HL"]] * 2, abs=1e-5)
+        assert found["latch time", "HL"][2] == "within the error"
         peak = result.headline.latch_torque_peaks["HL"]
         assert found["latch torque peak", "HL"][:2] == pytest.approx([peak] * 2, rel=1e-5)
 
@@ -93,9 +94,13 @@ class TestPage:
         assert found["latch time", "HL"][1] == pytest.approx(exact.latch_times["HL"], rel=1e-4)
         peak = exact.headline.latch_torque_peaks["HL"]
         assert found["latch torque peak", "HL"][1] == pytest.approx(peak, rel=1e-4)
-        assert "1 of 1 requirements not met" in page.run(
-            "document.getElementById('live-verdict').textContent"
+        words = page.run("document.getElementById('live-verdict').textContent")
+        assert "1 of 1 requirements is not met: latch_torque_peak.HL < 150 N.m" in words
+        cells = page.run(
+            """[...document.querySelectorAll("#live-requirements td")].map(cell => cell.textContent)"""
         )
+        assert cells[4] == "not met"
+        assert float(cells[2].split()[0]) == pytest.approx(peak, rel=1e-3)
         events = page.run("document.getElementById('view-events').textContent")
         assert f"run: HL latch-up, {exact.latch_times['HL']:.3f} s" in events
 
@@ -104,6 +109,9 @@ class TestPage:
         page.run("document.getElementById('live-keep').click()")
         row = numbers(page)["latch time", "HL"]
         assert row[0] == row[1]
+        words = page.run("document.getElementById('live-reference-verdict').textContent")
+        assert words.startswith("Kept run 1: HL motor stowed 2.7 N.m. HL latched at 3.98")
+        assert "kept 1: HL" in page.run("document.getElementById('plots-list').textContent")
         page.run("document.getElementById('view-play').click()")
         end = monotonic() + PATIENCE
         while float(page.run("document.getElementById('view-time').value")) == 0.0:
