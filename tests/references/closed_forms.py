@@ -5,6 +5,10 @@ from __future__ import annotations
 from math import acos, atanh, cos, pi, sin, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
+from components.contract.component import Vector
+
 
 class Instant(NamedTuple):
     """Time (s) and rate (rad/s) at which an angle is passed."""
@@ -53,3 +57,21 @@ def stiction_overrun(inertia: float, torque: float, transition: float) -> float:
     The integral of J w dw / T over that rise, minus the half J w^2 / T of constant friction.
     """
     return inertia * transition**2 / torque * (2.0 / sqrt(3.0) * atanh(1.0 / sqrt(3.0)) - 0.5)
+
+
+def bouncing(time: Vector, play: float, rate: float, frequency: float) -> Vector:
+    """Places (m or rad) of what starts in the middle of a play: straight through it, half a sine in a spring beyond.
+
+    play: either way, m or rad. rate: m/s or rad/s. frequency: on one of the springs, rad/s.
+    """
+    through, within = play / rate, np.pi / frequency
+    ends = np.cumsum([through, within, 2.0 * through, within, through])
+    t, deepest = time % ends[-1], rate / frequency
+    ways = (
+        rate * t,
+        play + deepest * np.sin(frequency * (t - ends[0])),
+        play - rate * (t - ends[1]),
+        -play - deepest * np.sin(frequency * (t - ends[2])),
+        -play + rate * (t - ends[3]),
+    )
+    return np.select([t < end for end in ends], ways, ways[-1])

@@ -8,6 +8,7 @@ from components import Instance
 from components.hinge import Hinge
 from fmus.compiled import at_work
 from orchestrator.assembly.assemble import assemble
+from tests.references.closed_forms import bouncing
 from tests.references.native_fmus import needs_native
 
 MASS, STIFFNESS, PLAY, RATE = 2.0, 5e6, 5e-4, 0.05
@@ -40,17 +41,7 @@ def pin(until, place=(0, 0, 0), velocity=(RATE, 0, 0), damping=0.0, **parameters
 def test_a_mass_bounces_between_two_walls():
     """Closed form, at the default tolerance, over 13 impacts: straight through the play, half a sine in each wall."""
     found = fanfold.simulate(pin(0.3, axial_clearance=PLAY), estimate=False)
-    through, within = PLAY / RATE, np.pi / FREQUENCY
-    ends = np.cumsum([through, within, 2.0 * through, within, through])
-    t, deepest = found.time % ends[-1], RATE / FREQUENCY
-    ways = (
-        RATE * t,
-        PLAY + deepest * np.sin(FREQUENCY * (t - ends[0])),
-        PLAY - RATE * (t - ends[1]),
-        -PLAY - deepest * np.sin(FREQUENCY * (t - ends[2])),
-        -PLAY + RATE * (t - ends[3]),
-    )
-    expected = np.select([t < end for end in ends], ways, ways[-1])
+    expected = bouncing(found.time, PLAY, RATE, FREQUENCY)
     assert found["pin", "frame_position"][:, 0] == pytest.approx(expected, abs=1e-4 * 2.0 * PLAY)
     force = np.abs(found["bush", "axial_force"][:])
     assert force.max() == pytest.approx(RATE * np.sqrt(STIFFNESS * MASS), rel=1e-4)

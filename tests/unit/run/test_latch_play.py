@@ -5,6 +5,7 @@ import pytest
 
 import orchestrator as fanfold
 from orchestrator.assembly.assemble import assemble
+from tests.references.closed_forms import bouncing
 from tests.references.native_fmus import needs_native
 
 INERTIA, STIFFNESS, PLAY, RATE, LATCH = 0.5, 300.0, 0.02, 0.4, 1.0
@@ -31,27 +32,12 @@ def leaf(damping_ratio=0.0, **latch):
     return scene
 
 
-def bouncing(time):
-    """Angles (rad) from the latch-up on: straight through the play, half a sine in each spring."""
-    through, within = PLAY / RATE, np.pi / FREQUENCY
-    ends = np.cumsum([through, within, 2.0 * through, within, through])
-    t, deepest = time % ends[-1], RATE / FREQUENCY
-    ways = (
-        RATE * t,
-        PLAY + deepest * np.sin(FREQUENCY * (t - ends[0])),
-        PLAY - RATE * (t - ends[1]),
-        -PLAY - deepest * np.sin(FREQUENCY * (t - ends[2])),
-        -PLAY + RATE * (t - ends[3]),
-    )
-    return LATCH + np.select([t < end for end in ends], ways, ways[-1])
-
-
 def test_a_leaf_bounces_between_two_springs():
     """Closed form, at the default tolerance: angles at all rows, and the peak torque RATE sqrt(k J)."""
     found = fanfold.simulate(leaf(), estimate=False)
     latched = found.latch_times["HL"]
     rows = found.time > latched + 1e-6
-    expected = bouncing(found.time[rows] - latched)
+    expected = LATCH + bouncing(found.time[rows] - latched, PLAY, RATE, FREQUENCY)
     assert np.abs(found["hinge", "angle"][rows] - expected).max() < 1e-4 * np.ptp(expected)
     peak = RATE * np.sqrt(STIFFNESS * INERTIA)
     assert found.headline.latch_torque_peaks["HL"] == pytest.approx(peak, rel=1e-4)
