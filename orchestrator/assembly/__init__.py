@@ -51,12 +51,12 @@ class HingeLine:
     """Hinges on one line; the sensor hinge's latch distance locks them all.
 
     kinematic: latch by impulse. rigid: whether the bodies that it joins are, so that a kinematic latch has no torque
-    but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
-    latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes. bolted:
-    whether hold-downs or a drive keep it there. known: the range (rad) of its way and of what tables of its motor and
-    harness tell; empty without any. coupled: lines that cable loops or gears couple, this one included, and
-    their rates over that of this one; empty without any. inertia: effective one at latch-up (kg.m2) as in
-    `effective_inertia` or the scene's own; None without a latch.
+    but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a latch nor an end stop
+    keeps there. tapes: names of tape springs, which lock it where they are straight. parts: of the bodies that it
+    joins; axis: where a run begins, world axes. bolted: whether hold-downs or a drive keep it there. known: the range
+    (rad) of its way and of what tables of its motor and harness tell; empty without any. coupled: lines that cable
+    loops or gears couple, this one included, and their rates over that of this one; empty without any. inertia:
+    effective one at latch-up (kg.m2) as in `effective_inertia` or the scene's own; None without a latch.
     """
 
     name: str
@@ -66,6 +66,7 @@ class HingeLine:
     kinematic: bool
     rigid: bool = False
     deployed_angle: float | None = None
+    tapes: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
     axis: tuple[float, ...] = ()
     bolted: bool = False

@@ -144,9 +144,8 @@ def assembly_lines(
                 latches=latch.kind != "none",
                 kinematic=latch.kind == "kinematic",
                 rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
-                deployed_angle=line.deployed_angle
-                if line.is_open_ended and not _is_taped(scene, line)
-                else None,
+                deployed_angle=line.deployed_angle if line.is_open_ended else None,
+                tapes=_tapes(scene, line),
                 parts=(groups[line.inboard], groups[line.outboard]),
                 axis=rotate(scene.poses[line.inboard].orientation, line.axis),
                 bolted=line.name in bolted,
@@ -158,10 +157,11 @@ def assembly_lines(
     return tuple(found)
 
 
-def _is_taped(scene: PlacedScene, line: HingeLine) -> bool:
-    """Whether tape springs, which lock where they are straight, join the bodies of a line."""
+def _tapes(scene: PlacedScene, line: HingeLine) -> tuple[str, ...]:
+    """Tape springs between the bodies of a line."""
     tapes = (one for one in scene.connections if one.kind == TapeHinge.kind)
-    return any({seat.body for seat in one.ports.values()} == {line.inboard, line.outboard} for one in tapes)
+    ends = {line.inboard, line.outboard}
+    return tuple(one.name for one in tapes if {seat.body for seat in one.ports.values()} == ends)
 
 
 def _known(line: HingeLine) -> tuple[float, ...]:

@@ -24,6 +24,7 @@ from .latch_rate import latch_energies, latch_rates
 from .line_travel import (
     Overrun,
     ShortOf,
+    folded,
     has_motor,
     overruns,
     reached_stops,
@@ -71,9 +72,9 @@ class Headline:
 
     not_opened: lines that should have latched, or come to their stop or deployed angle, and have not.
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
-    latch that passed their deployed angle. short_of_deployed: such lines that never came to it, motors_short: those of
-    them that a motor opens. short_of_stops: lines that an end stop alone ends and that never came to it;
-    reached_stops: when (s) such lines came to it.
+    latch that passed their deployed angle. short_of_deployed: such lines that never came to it, or that tape springs do
+    not hold there; motors_short: those of them that a motor or a tape spring opens. short_of_stops: lines that an end
+    stop alone ends and that never came to it; reached_stops: when (s) such lines came to it.
     latch_rates: size of each line's rate just before its latch-up, rad/s; latch_energies: kinetic energy that the latch
     takes up, J, see `latch_energies`.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line. latch_impulses: of locks, which are
@@ -289,12 +290,15 @@ def headline(result: Result) -> Headline:
     }
     last = max(times.values(), default=float(result.time[-1]))
     ledger, at_points = energy_ledger(result), _peaks_at_points(result)
-    short, unlatched, stops = (
-        short_of_deployed(result),
+    bent, unlatched, stops = (
+        folded(result),
         unlatched_angles(result, times),
         short_of_stops(result),
     )
-    motors_short = tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x))
+    short = short_of_deployed(result) | bent
+    motors_short = tuple(
+        x.name for x in result.hinge_lines if x.name in bent or (x.name in short and has_motor(result, x))
+    )
     rates, impulses = latch_rates(result, times), latch_impulses(result, times)
     return Headline(
         complete=result.complete,
@@ -356,7 +360,8 @@ def _missing(
     missing = dict.fromkeys(unlatched, "has not latched")
     for end, lines in (("deployed angle of", short), ("end stop at", stops)):
         for name, one in lines.items():
-            missing[name] = f"has not come to its {end} {degrees(one.angle):.4g} deg"
+            done = "stayed at" if one.largest > one.angle else "come to"
+            missing[name] = f"has not {done} its {end} {degrees(one.angle):.4g} deg"
     return missing
 
 

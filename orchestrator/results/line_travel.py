@@ -33,7 +33,7 @@ class Overrun:
 
 @dataclass(frozen=True, slots=True)
 class ShortOf:
-    """A line without a latch that never came to an angle: that of its stop or the deployed one, largest, last (rad)."""
+    """A line without a latch that is not at its stop or deployed angle: this angle, the largest, the last (rad)."""
 
     angle: float
     largest: float
@@ -65,32 +65,41 @@ def unlatched_angles(result: Result, latched: Collection[str]) -> dict[str, floa
     }
 
 
-def _open_ended(result: Result) -> Iterator[tuple[str, float, Vector]]:
-    """Lines that nothing keeps at their deployed angle, but those released later: name, that angle, angles (rad)."""
+def _open_ended(result: Result, *, taped: bool = False) -> Iterator[tuple[HingeLine, float, Vector]]:
+    """Lines that nothing, or tapes, keep at their deployed angle, not released later: that angle, all angles (rad)."""
     for line in result.hinge_lines:
-        if line.deployed_angle is None or not result.has(line.sensor, "angle"):
+        if line.deployed_angle is None or bool(line.tapes) != taped or not result.has(line.sensor, "angle"):
             continue
         if not is_released(result, line):
-            yield line.name, line.deployed_angle, result.signal(line.sensor, "angle")
+            yield line, line.deployed_angle, result.signal(line.sensor, "angle")
 
 
 def overruns(result: Result) -> dict[str, Overrun]:
     """Lines, by name, that passed the deployed angle at which nothing keeps them, but for those released later."""
     found = {}
-    for name, deployed, angle in _open_ended(result):
+    for line, deployed, angle in _open_ended(result):
         passed = np.flatnonzero(angle > deployed + _GIVES_WAY)
         if passed.size:
             at = float(result.time[passed[0]])
-            found[name] = Overrun(deployed, at, float(angle.max()), float(angle[-1]))
+            found[line.name] = Overrun(deployed, at, float(angle.max()), float(angle[-1]))
     return found
 
 
 def short_of_deployed(result: Result) -> dict[str, ShortOf]:
     """Lines, by name, that nothing keeps at their deployed angle and that never came to it, likewise."""
     return {
-        name: ShortOf(deployed, float(angle.max()), float(angle[-1]))
-        for name, deployed, angle in _open_ended(result)
+        line.name: ShortOf(deployed, float(angle.max()), float(angle[-1]))
+        for line, deployed, angle in _open_ended(result)
         if angle.max() < deployed - _GIVES_WAY
+    }
+
+
+def folded(result: Result) -> dict[str, ShortOf]:
+    """Lines, by name, that tape springs would keep at their deployed angle and that end with one folded."""
+    return {
+        line.name: ShortOf(deployed, float(angle.max()), float(angle[-1]))
+        for line, deployed, angle in _open_ended(result, taped=True)
+        if not all(result.signal(tape, "straight")[-1] for tape in line.tapes if result.has(tape, "straight"))
     }
 
 

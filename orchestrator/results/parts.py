@@ -167,11 +167,18 @@ def hinge_lines(dataset: Any) -> tuple[HingeLine, ...]:  # noqa: ANN401
 
 
 def _hinge_line(fields: Mapping[str, Any]) -> HingeLine:
-    sequences = {key: tuple(fields.get(key, ())) for key in ("hinges", "parts", "axis", "known")}
+    sequences = {key: tuple(fields.get(key, ())) for key in ("hinges", "parts", "axis", "known", "tapes")}
     coupled = tuple(fields.get("coupled", ()))
     _refuse(any(np.shape(one) != (2,) for one in coupled), "a hinge line is not as it was written")
     line = HingeLine(**{**fields, **sequences, "coupled": tuple((name, rate) for name, rate in coupled)})
-    texts = (line.name, line.sensor, *line.hinges, *line.parts, *(name for name, _ in line.coupled))
+    texts = (
+        line.name,
+        line.sensor,
+        *line.hinges,
+        *line.parts,
+        *line.tapes,
+        *(name for name, _ in line.coupled),
+    )
     angle = line.deployed_angle
     sound = all(isinstance(one, str) for one in texts) and all(
         isinstance(one, bool) for one in (line.latches, line.kinematic)

@@ -9,7 +9,7 @@ import pytest
 
 from orchestrator.assembly import HingeLine
 from orchestrator.messages import code_of
-from orchestrator.results.line_travel import is_released, overruns
+from orchestrator.results.line_travel import folded, is_released, overruns
 from orchestrator.validity.travel import _of_angle
 
 TIME = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0])
@@ -57,6 +57,18 @@ def test_a_released_line_neither_folds_back_nor_passes_its_end():
     assert overruns(result(away, [], **beyond)[0])["L"].largest == pytest.approx(np.radians(200.0))
     assert overruns(result(away, both, **beyond)[0]) == {}
     assert " 30.0 deg " in folded_back([0.0, -30.0, 10.0, 10.0, -90.0, 200.0], both)[0]
+
+
+def test_a_line_of_tape_springs_ends_where_they_are_straight():
+    """Rule: passing the angle is no fault where the tapes hold at the end; a tape that is folded there is told."""
+    more = {"deployed_angle": np.pi / 2, "tapes": ("upper", "lower")}
+    run, _ = result([0.0, 50.0, 95.0, 95.0, 150.0, 60.0], [], latches=False, more=more)
+    signals = {"left": run.signal("left", "angle"), "upper": np.ones(6), "lower": np.ones(6)}
+    run.signal = lambda component, variable: signals[component]
+    assert (overruns(run), folded(run)) == ({}, {})
+    signals["lower"] = np.array([0.0, 0.0, 1.0, 1.0, 1.0, 0.0])
+    (found,) = folded(run).values()
+    assert (found.largest, found.last) == pytest.approx(np.radians((150.0, 60.0)))
 
 
 def test_a_line_with_an_end_stop_may_fold_back_as_well():
