@@ -54,7 +54,8 @@ typedef struct {
     /* Derives constants from parameters whose ranges were checked already. */
     int (*prepare)(void *self, const double *p, Reason *why);
     int (*initial)(void *self, const double *u, double *x, Reason *why);
-    /* From x to x_next over h > 0; the arrays differ. Values may end up not finite: the core checks. */
+    /* From x to x_next over h > 0; the arrays differ. Values may end up not finite: the core checks. A sentence of a step
+       that succeeds is a warning to the host. */
     int (*step)(void *self, const double *x, const double *u, double h, double *x_next, Reason *why);
     void (*outputs)(void *self, const double *x, const double *u, double *y);
     void (*observe)(void *self, const double *x, const double *u, double *z);

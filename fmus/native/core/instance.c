@@ -261,8 +261,10 @@ static Status make_step(Instance *instance, double stands_at, double *step_size,
         return STATUS_ERROR;
     if (evaluate_ready(instance, &why) &&
         step_kernel(instance, step_size, to_event, due, next, &why) &&
-        evaluate_state_finite(instance, next, &why))
+        evaluate_state_finite(instance, next, &why)) {
+        if (*why.text) instance_fail(instance, STATUS_WARNING, "%s", why.text); /* said; the step stands */
         return STATUS_OK;
+    }
     instance->stepped = 0;
     return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
 }

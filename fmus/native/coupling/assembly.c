@@ -21,6 +21,10 @@
    whether latched, then angles of all lines, and peaks. */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 enum { OF_LINE = 3 }; /* outputs of each */
+enum { SWINGS = 2 * SWING_NUMBERS };
+static const char unstable[] = "the accelerations of the base swing from step to step and grow, so the host is unstable. Make "
+                               "smaller steps, or apply the growth of the interface impulses over the step as mean load, or "
+                               "repeat steps with base_meets_rates = 1";
 
 /* Place the numbers of a run that a saved state contains from `first` on; returns how many they are. first: NULL to
    compute that alone. */
@@ -209,6 +213,7 @@ static int refuse_run(Assembly *a, Reason *why) {
     const Coupling *c = &a->sequence.coupling;
     const Progress *p = &c->progress;
     a->stands = 0;
+    if (a->is_unstable) return refuse(why, "%s", unstable); /* absurd motions end in any part */
     if (p->failure == OF_STEP)
         return refuse(why, "the step of %.3g s from t = %.6f s does not converge: the wrench of %s still changes by %.3g "
                       "times its tolerance; loosen the tolerance or check that connection's stiffness", p->h, p->time,
@@ -300,7 +305,7 @@ static int initialize_participants(Assembly *a) {
 }
 
 static size_t state_size(const Assembly *a) {
-    return OUTER + a->parameter_count + a->inputs_count + a->peak_count + RING * a->row_size + SNAPSHOTS * a->snapshot_size;
+    return OUTER + a->parameter_count + a->inputs_count + SWINGS + a->peak_count + RING * a->row_size + SNAPSHOTS * a->snapshot_size;
 }
 
 /* Arrays of a component's state, in their order after the numbers that come first and before the snapshots. */
@@ -309,11 +314,12 @@ typedef struct {
     size_t count;
 } Section;
 
-enum { SECTIONS = 4 };
+enum { SECTIONS = 5 };
 
-static void sections_of(const Assembly *a, Section *sections) {
+static void sections_of(Assembly *a, Section *sections) {
     const Section all[SECTIONS] = {{a->applied, a->parameter_count},
                                    {a->inputs, a->inputs_count},
+                                   {(double *)a->swing, SWINGS},
                                    {a->peaks, a->peak_count},
                                    {a->ring, RING * a->row_size}};
     memcpy(sections, all, sizeof all);
@@ -460,6 +466,8 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     memcpy(a->inputs, u, a->inputs_count * sizeof(double));
     memset(a->inputs, 0, a->commands * sizeof(double)); /* commands at the start act at the first communication point */
     a->driven_step = a->longest_step = 0.0;
+    memset(a->swing, 0, sizeof a->swing);
+    a->is_unstable = a->is_told = 0;
     a->at_event = NO_EVENT;
     a->run_serial = ++a->last_run;
     if (!initialize_participants(a)) return refuse_run(a, why);
@@ -570,11 +578,21 @@ static void drive_to_rates(Assembly *a, const double *u, double h) {
     }
 }
 
+/* Follow the accelerations to which the rates of the host belong. */
+static void follow_host(Assembly *a, const double *u) {
+    const double *rates = u + a->driven.first, *before = a->inputs + a->driven.first;
+    double acceleration[BASE_RATES];
+    if (!(a->driven_step > 0.0)) return;
+    for (size_t k = 0; k < BASE_RATES; k++) acceleration[k] = (rates[k] - before[k]) / a->driven_step;
+    for (size_t k = 0; k < 2; k++) a->is_unstable |= swing_grows(a->swing + k, acceleration + SWING_AXES * k);
+}
+
 /* Step exactly to the next communication point, or through an event before it, with the base driven to it; rows end
    there. */
 static int run_driven(Assembly *a, const double *u, double h, int to_event) {
     Coupling *c = &a->sequence.coupling;
     if (!go_back(a)) return 0;
+    follow_host(a, u);
     if (a->meets_rates) {
         drive_to_rates(a, u, h);
         history_clear(&c->network); /* loads jump with the accelerations */
@@ -618,7 +636,7 @@ static int begin(Assembly *a, const double *x, const double *u) {
     a->said[0] = '\0';
     a->sequence.coupling.progress.failure = NO_FAILURE;
     if (!stand(a, x)) return 0;
-    a->stands = 0;
+    a->stands = a->is_unstable = 0;
     return !has_changed(a, u) || change(a, u);
 }
 
@@ -629,6 +647,12 @@ static int run_on(Assembly *a, const double *u, double h, int to_event) {
     return fine && (!(to_event && met_event(a, a->time + h)) || end_event(a));
 }
 
+/* Warn a host that is unstable, once a run. */
+static void warn_host(Assembly *a, Reason *why) {
+    if (a->is_unstable && !a->is_told) refuse(why, "%s", unstable);
+    a->is_told |= a->is_unstable;
+}
+
 static int step(void *self, const double *x, const double *u, double h, double *x_next, Reason *why) {
     Assembly *a = self;
     if (!is_made_soon(a, x, h, why)) return 0;
@@ -636,6 +660,7 @@ static int step(void *self, const double *x, const double *u, double h, double *
     a->at_event = NO_EVENT;
     a->time += h;
     store(a, x_next);
+    warn_host(a, why);
     return 1;
 }
 
@@ -649,6 +674,7 @@ static int step_to_event(void *self, const double *x, const double *u, double *h
     a->at_event = *due ? BEFORE_EVENT : NO_EVENT;
     a->time = end;
     store(a, x_next);
+    warn_host(a, why);
     return 1;
 }
 
@@ -709,7 +735,7 @@ static void event(void *self, const double *x, const double *u, int due, double 
 
 /* Where the sections of a state begin. */
 static const double *ring_of(const Assembly *a, const double *x) {
-    return x + OUTER + a->parameter_count + a->inputs_count + a->peak_count;
+    return x + OUTER + a->parameter_count + a->inputs_count + SWINGS + a->peak_count;
 }
 
 static const double *newest_of(const Assembly *a, const double *x) {

@@ -5,6 +5,7 @@
 #define FANFOLD_ASSEMBLY_MODEL_H
 
 #include "alike.h"
+#include "host_stability.h"
 #include "instance.h"
 #include "tables.h"
 
@@ -41,11 +42,12 @@ typedef struct {
    them that the run has accepted (applied), and those of the participants (in_force). A scene with preload starts from
    the states, inputs and wrenches at rest; without, these are NULL.
 
-   A component's state: OUTER numbers, see below, applied parameters, inputs, peaks, rows of the ring (time, segment,
-   recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. stands: whether all this is that
+   A component's state: OUTER numbers, see below, applied parameters, inputs, swings of a driven base, peaks, rows of the
+   ring (time, segment, recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. stands: whether all this is that
    of the state numbered `serial`; run_serial: number of what the run itself has reached. driven_step, longest_step (s):
    the last step that the base was driven over, and the longest, 0 before. meets_rates: whether the base has the given
-   rates at the end of a step. */
+   rates at the end of a step. swing: of translation and rotation; is_unstable: whether one of them grows; is_told:
+   whether the host has heard so. */
 typedef struct {
     Sequence sequence;
     Instance **instance;
@@ -63,7 +65,8 @@ typedef struct {
         parameter_count, input_count;
     size_t rows, snapshots, newest, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step, longest_step;
-    int stands, at_event, meets_rates;
+    int stands, at_event, meets_rates, is_unstable, is_told;
+    Swing swing[2];
     const char **link_name, **event_name;
     char said[512];
 } Assembly;
