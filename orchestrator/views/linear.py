@@ -40,36 +40,45 @@ def plot_response(found: FrequencyResponse, path: Path) -> list[Path]:
 
 
 def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Sequence[int]) -> list[Path]:
-    """One picture a mode: the configuration in grey, the mode in colour; the paths written."""
+    """One picture a mode: the configuration in grey, the mode in the colours of its bodies; the paths written."""
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for k in which:
         rest = _nodes(model.mechanism, np.zeros(len(model.mass)))
         moved = _nodes(model.mechanism, np.real(modes.shapes[:, k]))
-        corners = np.concatenate([faces.reshape(-1, 3) for faces in rest] or [np.zeros((1, 3))])
+        corners = np.concatenate([faces.reshape(-1, 3) for faces in rest.values()] or [np.zeros((1, 3))])
         size = float(np.ptp(corners, axis=0).max()) or 1.0
-        largest = max((float(np.abs(b - a).max()) for a, b in zip(rest, moved, strict=True)), default=0.0)
+        largest = max((float(np.abs(moved[name] - faces).max()) for name, faces in rest.items()), default=0.0)
         scale = _LARGEST_DEFLECTION * size / (largest or 1.0)
-        shown = [a + scale * (b - a) for a, b in zip(rest, moved, strict=True)]
+        shown = {name: faces + scale * (moved[name] - faces) for name, faces in rest.items()}
         with mpl.rc_context(STYLE):
             figure = empty_figure(6.0, 5.0)
-            figure.suptitle(f"mode {k + 1}, {modes.frequencies[k]:.4g} Hz, axes in m")
-            figure.subplots_adjust(left=0.05, right=0.9, bottom=0.05, top=0.9)
+            figure.suptitle(
+                f"mode {k + 1}, {modes.frequencies[k]:.4g} Hz; largest deflection drawn as {scale * largest:.2g} m"
+            )
+            figure.subplots_adjust(left=0.0, right=0.95, bottom=0.0, top=0.95)
             axes: Any = figure.add_subplot(projection="3d", proj_type="ortho")
-            for faces, colour, alpha in ((rest, "0.6", 0.15), (shown, COLOURS[0], 0.5)):
-                for body in faces:
-                    axes.add_collection3d(
-                        Poly3DCollection(body, facecolor=colour, edgecolor=colour, alpha=alpha, linewidth=0.4)
+            for faces in rest.values():
+                axes.add_collection3d(
+                    Poly3DCollection(faces, facecolor="0.6", edgecolor="0.6", alpha=0.15, linewidth=0.4)
+                )
+            for number, (name, faces) in enumerate(shown.items()):
+                colour = COLOURS[number % len(COLOURS)]
+                axes.add_collection3d(
+                    Poly3DCollection(
+                        faces, facecolor=colour, edgecolor=colour, alpha=0.5, linewidth=0.4, label=name
                     )
-            set_view(axes, *bounds([faces.reshape(-1, 3) for faces in (*rest, *shown)]))
+                )
+            axes.legend(loc="upper left", fontsize=8)
+            set_view(axes, *bounds([faces.reshape(-1, 3) for faces in (*rest.values(), *shown.values())]))
             written.append(folder / f"mode_{k + 1:02d}.png")
             save_figure(figure, written[-1])
     return written
 
 
-def _nodes(mechanism: Mechanism, coordinates: Vector) -> list[Vector]:
+def _nodes(mechanism: Mechanism, coordinates: Vector) -> dict[str, Vector]:
     """Corners (F, 4, 3) of the faces of every body that has a picture, moved by small coordinates (n,)."""
-    found = []
+    found = {}
     for name, body in mechanism.bodies.items():
         if body.body is None or not len(body.body.data.display_faces):
             continue
@@ -78,7 +87,7 @@ def _nodes(mechanism: Mechanism, coordinates: Vector) -> list[Vector]:
         world = arms @ body.axes.T
         nodes = body.position + world + step[:3] + np.cross(step[3:6], world)
         nodes += (data.display_shapes @ step[6:]) @ body.axes.T
-        found.append(nodes[data.display_faces])
+        found[name] = nodes[data.display_faces]
     return found
 
 

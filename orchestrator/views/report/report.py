@@ -85,7 +85,7 @@ def report(
 
 def _judged(result: Result, limits: Sequence[str]) -> Headline:
     found = headline(result)
-    return replace(found, limits=(*found.limits, *checked_limits(limits)))
+    return replace(found, limits=tuple(dict.fromkeys((*found.limits, *checked_limits(limits)))))
 
 
 def _file(result: Result) -> str:

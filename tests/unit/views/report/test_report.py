@@ -197,6 +197,7 @@ def test_comparison_with_two_others(tmp_path):
     ]
     others = [part for file in files[1:] for part in ("--with", str(file))]
     command = ["report", str(files[0]), *others, "--frames", "0", "--output", str(tmp_path / "page.html")]
+    command += ["--require", "end_time < 99 s"] * 2
     assert CliRunner().invoke(main, command).exit_code == 0
     found = (tmp_path / "page.html").read_text(encoding="utf-8")
     page = Page(found)
@@ -206,6 +207,8 @@ def test_comparison_with_two_others(tmp_path):
     assert found.count("Only in run: damper: damper_torque, dissipated_energy.") == 2
     assert "1.0000" in page.cells
     assert "+0.0000" in page.cells
+    assert page.cells.count("end_time < 99 s") == 1  # one row of both results, however often it is given
+    assert found.count("The requirement is met.") == 2
 
 
 def test_texts_are_escaped(bodies):
