@@ -21,6 +21,7 @@ from components.cache.temporary import process_folder
 
 from ..archive import archive_problems
 from ..description.binaries import binary_member
+from ..description.interfaces import OTHER_INTERFACES
 from ..host.process import FmuProcess, HostError
 from .names import name_problems
 
@@ -36,7 +37,6 @@ _STEP = 1e-3
 """Of an FMU that says none (s)."""
 _LARGEST_DESCRIPTION = 50_000_000
 """Bytes, of a quarter of a million variables; a schema takes minutes for more."""
-_OTHER_INTERFACES = {"ModelExchange": "model exchange", "ScheduledExecution": "scheduled execution"}
 Kind = Literal["breaks the standard", "Fanfold needs", "advice"]
 
 
@@ -101,7 +101,7 @@ def _unfit(root: Element) -> str:
         return "it is not an FMU 2.0 or 3.0"
     if root.find("CoSimulation") is not None:
         return ""
-    kinds = [words for tag, words in _OTHER_INTERFACES.items() if root.find(tag) is not None]
+    kinds = [words for tag, words in OTHER_INTERFACES.items() if root.find(tag) is not None]
     if not kinds:
         return "it has no interface type, neither co-simulation nor another"
     return Problem(f"co-simulation; this FMU has {' and '.join(kinds)} only", "Fanfold needs")

@@ -18,6 +18,7 @@ from components import LAGGED, ComponentError, FanfoldError
 from components.contract.errors import unknown
 from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member, folder_here
+from fmus.description.interfaces import OTHER_INTERFACES
 from fmus.description.units import base_unit, has_root
 
 from ..scene.placed_scene import PlacedScene
@@ -402,7 +403,11 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     if not found.fmiVersion.startswith(("2.", "3.")):
         raise _NoFmuError(f"is of FMI {found.fmiVersion}; 2.0 and 3.0 can take part")
     if found.coSimulation is None:
-        raise _NoFmuError("is no co-simulation FMU; export it as one")
+        kinds = [
+            words for tag, words in OTHER_INTERFACES.items() if getattr(found, tag[0].lower() + tag[1:], None)
+        ]
+        has = " and ".join(kinds) or "no interface type"
+        raise _NoFmuError(f"has {has} only, and Fanfold has no solver for it; export it for co-simulation")
     identifier = found.coSimulation.modelIdentifier
     if re.search(r"[/\\]", identifier):
         raise _NoFmuError(
