@@ -68,11 +68,7 @@ def report(
         if live is None
         else _live(result, found[0], live, frame_count)
     )
-    if live is None:
-        shown, sections = [opening, *judged, *moving, *numbers], dict[str, list[str]]()
-    else:
-        shown, sections = [opening, *moving], {f"Stored result, {_file(result)}": [*judged, *numbers]}
-    sections |= {
+    sections = {
         "Every headline number": every,
         "Events": events,
         "Figures": figures,
@@ -80,7 +76,12 @@ def report(
         "Provenance": [*_provenance(result)],
     }
     rest = [folded(heading, "\n".join(parts)) for heading, parts in sections.items() if parts]
-    return page(f"{title}: {_file(result)}", [*shown, *rest])
+    if live is None:
+        shown = [*judged, *moving, *numbers, *rest]
+    else:
+        stored = folded(f"Stored result, {_file(result)}", "\n".join([*judged, *numbers, *rest]))
+        shown = [*moving, stored]
+    return page(f"{title}: {_file(result)}", [opening, *shown])
 
 
 def _judged(result: Result, limits: Sequence[str]) -> Headline:

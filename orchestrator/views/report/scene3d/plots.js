@@ -162,7 +162,8 @@ class Plot {
     const rows = new Map();
     this.curves.forEach((curve, k) => {
       const row = nearest(curve.clock, time);
-      this.readings[k].textContent = curve.values[row].toFixed(this.decimals);
+      const size = Number(curve.values[row].toFixed(this.decimals)) + 0; // no minus of a zero
+      this.readings[k].textContent = size.toFixed(this.decimals);
       if (!rows.has(curve.letter)) rows.set(curve.letter, `${curve.letter}${this.plots.clock.written(6, curve.clock[row])}`);
     });
     this.at.textContent = `Recorded values at ${[...rows.values()].join(", ")}`;
