@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
 from functools import cache
 from pathlib import Path
@@ -17,7 +18,7 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
-from components import REGISTRY
+from components import REGISTRY, ComponentError
 from components.contract.roles import FAILURE_COMMAND
 from fmus import build_fmu
 from tests.conformance.programs.toy import Toy
@@ -168,14 +169,25 @@ class Reference:
         return u
 
     def random_parameters(self, rng):
-        """The present parameters with the tunable ones moved a little, and those that are zero made typical."""
-        p = self.p.copy()
+        """The present parameters with the tunable ones moved a little, and those that are zero made typical.
+
+        Zero stay those that the component refuses with the others, such as a clearance of unequal stiffnesses.
+        """
+        p, typical = self.p.copy(), {}
         for quantity in self.component.parameter_layout.quantities:
             if quantity.variability == "tunable":
-                part = p[self.component.parameter_layout[quantity.name]]
-                part[part == 0.0] = TYPICAL.get(quantity.unit, 0.1)
-                part *= 1.0 + 0.01 * rng.random(part.size)
-                np.clip(part, quantity.minimum, quantity.maximum, out=part)
+                place = self.component.parameter_layout[quantity.name]
+                factors = 1.0 + 0.01 * rng.random(quantity.size)
+                p[place] = np.clip(p[place] * factors, quantity.minimum, quantity.maximum)
+                values = np.where(p[place] == 0.0, TYPICAL.get(quantity.unit, 0.1) * factors, p[place])
+                typical[quantity.name] = place, np.clip(values, quantity.minimum, quantity.maximum)
+        for place, values in typical.values():
+            before = p[place].copy()
+            p[place] = values
+            with contextlib.suppress(ComponentError):
+                self.component.prepare(_frozen(p))
+                continue
+            p[place] = before
         return p
 
 
