@@ -27,9 +27,9 @@ VARIANTS = {
 
 @pytest.mark.parametrize("name", VARIANTS)
 def test_is_equal_at_order_four(name, monkeypatch):
-    """A thousand random steps with random moments, commands, parameters and rollbacks."""
+    """Three hundred random steps with random moments, commands, parameters and rollbacks."""
     monkeypatch.setattr(trial, "NATIVE", True)
-    monkeypatch.setattr(trial, "STEPS", 1000)
+    monkeypatch.setattr(trial, "STEPS", 300)
     component = VARIANTS[name]
     fmu = Fmu(str(built(component, name, start=start_of(component), backend="native")))
     reference = Reference(component)

@@ -33,6 +33,7 @@ def texts(archive):
     return {name: archive.read(name) for name in archive.namelist() if name.endswith((".c", ".h"))}
 
 
+@pytest.mark.thorough
 @needs_compiler
 def test_a_compiled_fmu_equals_the_binary(tmp_path, monkeypatch):
     """FMPy's build of source FMUs, without any binary in the file; other compiler flags, hence not bit for bit.

@@ -47,14 +47,21 @@ def resultant(outputs: Vector, before: Vector, after: Vector, ports: int, about:
 
 
 def work(outputs: Vector, before: Vector, after: Vector, ports: int) -> float:
-    """Work of mean wrenches on the bodies: force times change of place plus torque times rotation vector."""
+    """Work of mean wrenches on the bodies, see `works`."""
+    return float(np.sum(works(outputs, before, after, ports)))
+
+
+def works(outputs: Vector, before: Vector, after: Vector, ports: int) -> Vector:
+    """Work at each port (ports, 2): force times change of place, and torque times rotation vector."""
     force, torque = wrenches(outputs, ports)
     a, b = (u[: 13 * ports].reshape(ports, 13) for u in (before, after))
     turns = [
         (Rotation.from_quat(np.roll(q, -1)) * Rotation.from_quat(np.roll(p, -1)).inv()).as_rotvec()
         for p, q in zip(a[:, 3:7], b[:, 3:7], strict=True)
     ]
-    return float(np.sum(force * (b - a)[:, :3]) + np.sum(torque * np.array(turns)))
+    return np.stack(
+        [np.sum(force * (b - a)[:, :3], axis=1), np.sum(torque * np.array(turns), axis=1)], axis=1
+    )
 
 
 def slopes(component: object, outputs: Vector, ports: int) -> tuple[Vector, Vector]:

@@ -43,6 +43,7 @@ def test_fidelity_of_any_panel_is_one_flag(flexible):
     assert assembly.flexible == (flexible,)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_phase_2_is_quasi_stationary_and_its_energy_balance_closes():
     """Sheet (d), check 2: motor-driven to full deployment, all angles from the drive's by the loops' ratios."""

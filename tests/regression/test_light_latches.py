@@ -36,6 +36,7 @@ def test_peak_follows_the_tolerance(tmp_path, scene, tolerance, until, peak, err
     assert outcome.headline.latch_torque_peaks["L1"] == pytest.approx(peak, rel=error)
 
 
+@pytest.mark.thorough
 def test_first_swing_beside_a_lock_is_resolved():
     """Random wing 40: in steps of 20 ms the hinge of L2, beside a lock, would turn against its torque.
 

@@ -57,6 +57,7 @@ def middle(result):
     return np.asarray(result["membrane", "modal_coordinate"][:]) @ (inside - border)
 
 
+@pytest.mark.thorough
 def test_the_membrane_lags_as_designed(runs):
     """Independent (design, tried before): 15.42 mm at 0.085 s on a border that follows the law of 1200 mm itself."""
     deflection = middle(runs[()])

@@ -87,6 +87,7 @@ def test_a_frame_that_starts_bends_it_by_five_thicknesses(carried):
     assert found == pytest.approx(expected, abs=0.03 * 2.51e-3)
 
 
+@pytest.mark.thorough
 def test_energy(carried):
     """Conservation: the work of the frame is what the membrane holds, carries and has lost."""
     assert abs(carried.headline.energy_residual) < 1e-8

@@ -35,6 +35,7 @@ def test_steps_converge_with_second_order(tmp_path):
         assert (tmp_path / picture).stat().st_size > 10_000
 
 
+@pytest.mark.thorough
 def test_more_modes_come_closer_from_above(tmp_path):
     """Rayleigh and Ritz: frequencies of a reduced body are above those of the whole, and fall with every mode."""
     found = study(tmp_path, "mode-study", "--modes", "1,3,8", angle="179.9 deg", until=0.2)

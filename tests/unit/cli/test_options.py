@@ -125,6 +125,7 @@ def test_one_run_of_a_scene_in_phases_is_one_of_them():
     assert SceneChoice("arabsat", ("phase1",)).load().check_one_run().header.until == 14.0
 
 
+@pytest.mark.thorough
 def test_a_choice_assembles_at_its_fidelities():
     """Of ARABSAT's bodies the two outer panels, 4 and 5, are flexible by default; further settings count too."""
     choice = SceneChoice("arabsat")

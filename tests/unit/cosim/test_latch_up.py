@@ -56,6 +56,7 @@ def inertia():
     return data.inertia[1, 1] + data.mass * (x * x + z * z)
 
 
+@pytest.mark.thorough
 def test_a_line_swings_as_the_latched_panel(line):
     """Closed form: the root of stiffness over the inertia about the hinge line, damping over it, J w^2 / 2."""
     frequency = sqrt(INERTIAL * LATCH / inertia())

@@ -78,7 +78,7 @@ def run_with(monkeypatch, moments, path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGINT, marks=pytest.mark.thorough), signal.SIGTERM])
 def test_interruptions_after_a_run_end_the_command(monkeypatch, tmp_path, number):
     """Regression: while it was repeated they were swallowed, exit code 0, and --verify or the next phase went on."""
     plain = Moments()

@@ -176,10 +176,14 @@ def test_a_result_opens_no_file_that_no_scene_has_opened(result, tmp_path):
     "tree",
     [{"scene": 5}, {"scene": {"name": 3}}, {"body": 5}, {"body": [5]}, [], 5, {"hinge_line": {"a": 1}}],
 )
-def test_a_damaged_scene_in_a_result_is_a_sentence(result, tree, tmp_path):
+def test_a_damaged_scene_in_a_result_is_a_sentence(result, tree):
     """Reproduction: AttributeError where the scene was a number, in stresses and in the page."""
     opened = fanfold.Result.open(result(lambda _: tree))
     with pytest.raises(fanfold.FanfoldError):
         scene_of(opened)
     assert len(content([opened], ["A"], ["run"]).remarks) == 1
+
+
+def test_a_damaged_scene_leaves_a_report(result, tmp_path):
+    opened = fanfold.Result.open(result(lambda _: {"scene": 5}))
     assert fanfold.report(opened, tmp_path / "page.html", frames=0).exists()
