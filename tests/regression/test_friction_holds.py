@@ -108,7 +108,11 @@ def test_rigid_and_stiff_flexible_bodies_latch_together():
     assert times[1] == pytest.approx(times[0], rel=1e-3)
 
 
-@pytest.mark.parametrize("balance", BALANCES, ids=lambda balance: balance.name)
+@pytest.mark.parametrize(
+    "balance",
+    [pytest.param(b, marks=[pytest.mark.thorough] if b.name.startswith("geared") else []) for b in BALANCES],
+    ids=[balance.name for balance in BALANCES],
+)
 def test_margin_restart_study_and_run_answer_alike(balance):
     """Each alone: the torque margin without factors, a restart from rest, a study, and the verdict of a run."""
     scene, options = balance_scene(balance), {"rigid": "all", "until": "60 s"}

@@ -345,7 +345,9 @@ def test_run_that_diverges():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize(
+    "name", ["SIGTERM", *(pytest.param(name, marks=pytest.mark.thorough) for name in ("SIGINT", "SIGHUP"))]
+)
 def test_interrupted_run_is_readable(tmp_path, name):
     """Nothing lost: Ctrl-C, and what ends jobs, ends a run between steps: a sentence, exit code 1, a readable file."""
     path, temporary = tmp_path / "a.h5", tmp_path / "temporary"
