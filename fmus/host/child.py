@@ -89,6 +89,14 @@ class FMU3Lenient(_Lenient, FMU3Slave):  # type: ignore[misc]
     """Of FMI 3.0."""
 
 
+def shape_of(variable: Any, given: Mapping[str, Value]) -> tuple[int, ...]:  # noqa: ANN401 - of FMPy
+    """Elements of an array by dimension, which may be the value of a structural parameter; () for a scalar."""
+    return tuple(
+        int(d.start if d.variable is None else given.get(d.variable.name, d.variable.start))
+        for d in variable.dimensions or ()
+    )
+
+
 class Instance:
     """One instance of an FMU 2.0 or 3.0 for co-simulation; its methods raise where the FMU refuses."""
 
@@ -185,10 +193,7 @@ class Instance:
         self._set(given)
         self._fmu.exitConfigurationMode()
         for variable in self._variables.values():
-            variable.shape = tuple(
-                int(d.start if d.variable is None else given.get(d.variable.name, d.variable.start))
-                for d in variable.dimensions
-            )
+            variable.shape = shape_of(variable, given)
 
     def sample(
         self, time: float, h: float, inputs: Mapping[str, Value], outputs: Sequence[str]

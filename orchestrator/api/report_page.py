@@ -32,14 +32,15 @@ def page_of(
     slider: str | Sequence[str] = (),
 ) -> str:
     """HTML of a report; see `report`."""
-    from ..analysis.live.model import live_model
-    from ..views.report.live.part import library
     from ..views.report.report import report
 
     if slider and not live:
         raise ResultError(f"{result.name}: sliders belong to a live report; add --live, in Python live=True")
     model = None
     if live:
+        from ..analysis.live.model import live_model
+        from ..views.report.live.part import library
+
         library()  # compiling it may fail, which should not take a minute
         model = live_model(result, headline(result), listed(slider))
     text = report(result, others, frames, listed(require), author, model)

@@ -177,9 +177,11 @@ class _Reader:
         of_them = [v.name for v in self._variables.values() if v.causality in causalities]
         variable = self._variables.get(name)
         if variable is None and (found := _ELEMENT.fullmatch(name)) is not None:
+            from fmus.host.child import shape_of  # loads FMPy, which most scenes need not
+
             array, places = found[1], [int(place) for place in found[2].split(",")]
             variable = self._variables.get(array)
-            shape = self._shape(variable) if variable is not None else ()
+            shape = shape_of(variable, self._table.parameters) if variable is not None else ()
             if shape and not (len(places) == len(shape) and all(map(le, places, shape))):
                 raise ValueError(f"has no such element; {array} has {' x '.join(map(str, shape))}")
             of_them = [array] if shape else of_them
@@ -189,14 +191,6 @@ class _Reader:
         if variable is None or variable.causality not in causalities:
             raise ValueError(f"{unknown(name, of_them, causalities[0])} (of {Path(self._table.file).name})")
         return variable
-
-    def _shape(self, variable: Any) -> tuple[int, ...]:  # noqa: ANN401 - of FMPy
-        """Elements of an array by dimension, which may be the value of a structural parameter; () for a scalar."""
-        given = self._table.parameters
-        return tuple(
-            int(d.start if d.variable is None else given.get(d.variable.name, d.variable.start))
-            for d in variable.dimensions or ()
-        )
 
     def _signal_variable(self, name: str, causality: str) -> Any:  # noqa: ANN401 - of FMPy
         variable = self._scalar_variable(name, (causality,))

@@ -399,7 +399,12 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
         digits = ".6f" if unit == "s" else ".5g"
         value = format(size * rounded_to_floor(number.value, floor), digits)
         error = "" if number.error is None else format(size * number.error, ".1g")
-        yield number.quantity.replace(" magnitude", ""), of, value, unit, error
+        yield quantity_text(number.quantity), of, value, unit, error
+
+
+def quantity_text(quantity: str) -> str:
+    """A quantity for tables, where magnitudes of vectors need not be named as such."""
+    return quantity.replace(" magnitude", "")
 
 
 def round_off_floors(found: Headline) -> dict[str, float]:

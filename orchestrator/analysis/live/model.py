@@ -38,7 +38,7 @@ from .sliders import LiveError, Slider, sliders
 _NODES = 2, 3, 5, 9, 17, 33
 """Values of a slider at which the scene is assembled: Chebyshev nodes, each set within the next."""
 _FALLS = 0.5
-"""Part of its error that interpolation of a smooth function has left, at the most, with twice as many intervals."""
+"""Largest ratio of the interpolation error of a smooth function to that with half as many intervals."""
 _NARROWED = 3
 """Times that an end of a usual range moves half the way to the value of the scene, where the scene refuses it."""
 _GOLDEN = 0.618034
@@ -312,7 +312,7 @@ def _moved(samples: _Samples, tolerance: float) -> Moved:
 
 
 def _off(moved: Moved, slider: Slider, value: float, numbers: Vector, form: _Form) -> float:
-    """How far interpolation is off at a value, relative to each number, at the most."""
+    """Largest error of interpolation at a value, relative to the size of each number."""
     off = np.abs(weights(slider, moved, value) @ moved.values - numbers)
     size = np.abs(moved.values).max(axis=0)
     return float(np.max(off / np.where(size > 0.0, size, 1.0), where=~form.is_iterated, initial=0.0))

@@ -152,7 +152,9 @@ class Study:
         """By requirement, in how many finished samples it is not met; see `not_opening` for the bounds."""
         finished = self.finished[: self.plan.independent] > 0
         margins = {
-            requirement_of(name): values for name, values in self.numbers.items() if requirement_of(name)
+            requirement: values
+            for name, values in self.numbers.items()
+            if (requirement := requirement_of(name))
         }
         return {
             name: Share.of(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import tempfile
 from functools import cache
 from pathlib import Path
@@ -184,10 +183,10 @@ class Reference:
         for place, values in typical.values():
             before = p[place].copy()
             p[place] = values
-            with contextlib.suppress(ComponentError):
+            try:
                 self.component.prepare(_frozen(p))
-                continue
-            p[place] = before
+            except ComponentError:
+                p[place] = before
         return p
 
 

@@ -215,7 +215,7 @@ def test_a_double_four_bar_passes_its_singular_position():
 
 
 def test_a_governor_trades_spin_for_height():
-    """Lagrange with conserved angular momentum: two arms with balls lift a collar that two links hang on."""
+    """Independent solution: Lagrange's equation of a flyball governor whose angular momentum is conserved."""
     lean, rate, until = np.pi / 6, 2 * np.pi, 0.5
     scene = fanfold.Scene("governor", until=until, gravity=(0, 0, -GRAVITY), preload=False)
     scene.base("ground", points={"o": (0, 0, 0)})

@@ -60,7 +60,7 @@ def test_a_released_line_neither_folds_back_nor_passes_its_end():
 
 
 def test_a_line_of_tape_springs_ends_where_they_are_straight():
-    """Rule: passing the angle is no fault where the tapes hold at the end; a tape that is folded there is told."""
+    """Rule: the verdict names a line whose tape springs are folded at the end, not one that only passed its angle."""
     more = {"deployed_angle": np.pi / 2, "tapes": ("upper", "lower")}
     run, _ = result([0.0, 50.0, 95.0, 95.0, 150.0, 60.0], [], latches=False, more=more)
     signals = {"left": run.signal("left", "angle"), "upper": np.ones(6), "lower": np.ones(6)}

@@ -6,6 +6,7 @@ import pytest
 import orchestrator as fanfold
 from orchestrator.assembly.assemble import assemble
 from tests.references.closed_forms import bouncing
+from tests.references.leaf import leaf_on_a_jamb
 from tests.references.native_fmus import needs_native
 
 INERTIA, STIFFNESS, PLAY, RATE, LATCH = 0.5, 300.0, 0.02, 0.4, 1.0
@@ -15,15 +16,7 @@ FREQUENCY = np.sqrt(STIFFNESS / INERTIA)
 
 def leaf(damping_ratio=0.0, **latch):
     """A leaf without motor that turns at a rate into its latch."""
-    scene = fanfold.Scene("loose", until=1.5)
-    scene.base(points={"jamb": (0, 0, 0)})
-    rigid = {
-        "mass": 1.0,
-        "center_of_mass": (0, 0, 0),
-        "inertia": (INERTIA,) * 3,
-        "points": {"root": (0, 0, 0)},
-    }
-    scene.body("leaf", rigid=rigid)
+    scene = leaf_on_a_jamb("loose", INERTIA, until=1.5)
     common = {"stiffness": STIFFNESS, "effective_inertia": INERTIA, "damping_ratio": damping_ratio}
     scene.hinge_line(
         "HL", "base", "leaf", axis="+y", aligned_angle=f"{LATCH} rad", start_angle="0.9 rad", start_rate=RATE,

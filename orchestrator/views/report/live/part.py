@@ -19,7 +19,7 @@ from ....analysis.live.model import LiveModel
 from ....analysis.live.sliders import LiveError
 from ....cosim.rows import SCENE_CHANNELS, recorded_layout
 from ....results.identifiers import unit_of
-from ....results.key_figures import Headline, max_of, peak_of, shown
+from ....results.key_figures import Headline, max_of, peak_of, quantity_text, shown
 from ....results.point_loads import port_loads
 from ....results.recorder import MemoryRecorder, SignalGroup
 from ....results.requirements import Judged
@@ -185,7 +185,7 @@ def _numbers(headline: Headline, columns: Columns) -> Iterator[dict[str, object]
             unit, factor = shown(number.unit)
             yield {
                 "id": number.id,
-                "quantity": number.quantity.replace(" magnitude", "").replace("interface", "spacecraft"),
+                "quantity": quantity_text(number.quantity).replace("interface", "spacecraft"),
                 "of": number.of,
                 "value": number.value,
                 "error": number.error,

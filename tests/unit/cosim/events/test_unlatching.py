@@ -5,6 +5,7 @@ import pytest
 
 import orchestrator as fanfold
 from orchestrator.results.identifiers import unit_of
+from tests.references.leaf import leaf_on_a_jamb
 from tests.references.native_fmus import needs_native
 from tests.unit.run.as_one.host import Host
 
@@ -16,15 +17,7 @@ GONE, READY = 3.0, 4.0
 
 def door(kind="spring", events=True):
     """A leaf that a constant torque opens against a latch; two events fold it back and open it again."""
-    scene = fanfold.Scene("door", until="7 s", tolerance=1e-5)
-    scene.base(points={"jamb": (0, 0, 0)})
-    rigid = {
-        "mass": 1.0,
-        "center_of_mass": (0, 0, 0),
-        "inertia": (INERTIA,) * 3,
-        "points": {"root": (0, 0, 0)},
-    }
-    scene.body("leaf", rigid=rigid)
+    scene = leaf_on_a_jamb("door", INERTIA, until="7 s", tolerance=1e-5)
     scene.hinge_line(
         "HL", "base", "leaf", axis="+y", aligned_angle=f"{LATCH} rad", hinges={"hinge": ("jamb", "root")},
         motor={"stowed": TORQUE, "deployed": TORQUE},
