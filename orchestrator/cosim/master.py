@@ -18,7 +18,7 @@ from components.numerics.scheme import AGAIN, INSTANT
 
 from ..assembly import Event, HingeLine
 from .cosimulation import CoSimulation, Statistics
-from .coupling import Advance, Stop
+from .coupling import Advance, StepError, Stop
 from .network import Network
 from .rows import Recorder
 from .settings import TIME_ROUNDING, Settings
@@ -65,7 +65,7 @@ class Master(CoSimulation):
         self.coupling.record_start()
 
     def run(self, until: float) -> None:
-        """Step to the given time (s); StepError where no step size converges."""
+        """Step to the given time (s); StepError where no step size converges or that takes too many steps."""
         try:
             while self.time < until - TIME_ROUNDING:
                 if (event := self._scheduled.due(self.time)) is not None:
@@ -89,6 +89,8 @@ class Master(CoSimulation):
         self.segments[-1].extend(made.steps)
         self.statistics.steps += len(made.steps)
         self.statistics.rejected += made.rejected
+        if self.statistics.steps > self.settings.most_steps:
+            raise StepError(f"it takes more than {self.settings.most_steps:.0f} steps")
         self._lets_go = made.lets_go
         if made.stop == Stop.REACHED:
             self._meet(made)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import inf
 
 from ..assembly import Driving
 from .ports import Order
@@ -23,6 +24,7 @@ class Settings:
     an earlier run to follow, one list per segment between events. driving: reference energy and load of the scene.
     order: of the coupling; None: the best one. snapshot_every: time (s) between snapshots for `keep` of the master;
     they change last digits. asked_tolerance: tolerance that results are compared with, if a smaller one is used.
+    most_steps: communication steps after which the implicit master gives up.
     """
 
     tolerance: float = 1e-4
@@ -35,4 +37,5 @@ class Settings:
     order: Order | None = None
     snapshot_every: float | None = None
     asked_tolerance: float | None = None
+    most_steps: float = inf
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)

@@ -26,7 +26,7 @@ from ..results.key_figures import UNLATCHED
 from ..results.result_file import with_errors
 from ..scene.schema import TOLERANCES
 from .errors import InterruptedRunError, whole_if_interrupted
-from .progress import Progress, Watch, followed, silent
+from .progress import Progress, followed, silent
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _DECADE = 0.1
@@ -60,13 +60,14 @@ def with_estimates(
     if outcome.master != "implicit" or settings.step_plan is not None:
         return outcome, settings
     name, end = assembly.name, until or assembly.until
+    most_steps = _MOST_TIMES * outcome.costs.steps
     with (
         whole_if_interrupted(name, outcome.result, "its errors were estimated", "these"),
         followed(progress, f"{name}: errors", end) as watch,
     ):
         try:
-            bounded = _Bounded(watch, outcome.costs.steps)
-            coarser = run(assembly, None, _coarser(settings), until, watch=bounded, load=load)
+            limited = replace(_coarser(settings), most_steps=most_steps)
+            coarser = run(assembly, None, limited, until, watch=watch, load=load)
             outcome = _compared(outcome, coarser)
         except InterruptedRunError:
             raise
@@ -74,7 +75,7 @@ def with_estimates(
             outcome = _with(outcome, {})
     if not refine or settings.fixed_step is not None:
         return outcome, settings
-    asked, first = settings.tolerance, outcome
+    asked = settings.tolerance
     for _ in range(_DECADES):
         subject, error = _largest(outcome)
         finer = replace(
@@ -87,7 +88,7 @@ def with_estimates(
         said = f"{subject} differs by {100 * error:.2g} %" if isfinite(error) else f"{subject} is unsure"
         try:
             with whole_if_interrupted(name, outcome.result, f"it was repeated at {finer.tolerance:.2g}"):
-                outcome = _repeated(assembly, outcome, first, finer, until, progress, load)
+                outcome = _repeated(assembly, outcome, finer, most_steps, until, progress, load)
         except InterruptedRunError:
             raise
         except RunError as failure:
@@ -141,27 +142,11 @@ def _with(outcome: Outcome, errors: dict[Key, float]) -> Outcome:
     return replace(outcome, result=result, headline=replace(outcome.headline, estimated_errors=errors))
 
 
-class _Bounded:
-    """A watch that ends a run of more than `_MOST_TIMES` the steps of the first run."""
-
-    def __init__(self, watch: Watch, first: int) -> None:
-        self._watch, self._most = watch, _MOST_TIMES * first
-        self._made, self._last = 0.0, 0.0
-
-    def __call__(self, time: float, h: float) -> None:
-        """Show a step, and count those since the last one shown."""
-        self._watch(time, h)
-        self._made += max(1.0, (time - self._last) / h)
-        self._last = time
-        if self._made > self._most:
-            raise RunError(f"it takes more than {self._most:.0f} steps")
-
-
 def _repeated(
     assembly: Assembly,
     outcome: Outcome,
-    first: Outcome,
     settings: Settings,
+    most_steps: float,
     until: float | None,
     progress: Progress,
     load: Loader,
@@ -173,8 +158,8 @@ def _repeated(
         temporary = path and Path(stack.enter_context(TemporaryDirectory(dir=path.parent)), path.name)
         name = f"{assembly.name}: at {settings.tolerance:.2g}"
         with followed(progress, name, until or assembly.until) as watch:
-            bounded = _Bounded(watch, first.costs.steps)
-            finer = run(assembly, temporary, settings, until, watch=bounded, load=load, asked=asked)
+            limited = replace(settings, most_steps=most_steps)
+            finer = run(assembly, temporary, limited, until, watch=watch, load=load, asked=asked)
         finer = _compared(finer, outcome)
         if path and temporary:
             os.replace(temporary, path)
