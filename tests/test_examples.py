@@ -126,6 +126,24 @@ def scatter(found, folder):
     assert np.std(times) > 0.01
 
 
+def system_structure(found, folder):
+    """Runs of Fanfold and of the FMU alone with the same start value; FMPy hands a command on after a step."""
+    from fmpy import simulate_fmu
+
+    times = {name: rows["HL_latch_time"][-1] for name, rows in found["runs"].items()}
+    own = found["fanfold"].simulate("workbench", rigid="all", estimate=False).latch_times["HL"]
+    assert times["as exported"] == pytest.approx(own, abs=1e-9)
+    stiffer = simulate_fmu(
+        str(found["fmu"]),
+        stop_time=4.3,
+        output_interval=0.1,
+        start_values={"hinge_left.motor_stiffness": 0.2},
+        output=["HL.latch_time"],
+    )
+    assert times["stiffer spring"] == stiffer["HL.latch_time"][-1] < own - 0.1
+    assert times["latch commanded"] == pytest.approx(1.1)
+
+
 def tape_spring_boom(found, folder):
     """Closed form: constant torque to the edge of the snap at 0.3 rad; the table's peak; energy; a PythonFMU."""
     inertia, torque, way = 0.1 + 0.25, 0.4, np.radians(120.0) - 0.3

@@ -72,7 +72,8 @@ def export(
     backend : {"native", "python"}, optional
         see `simulate`
     ssp : str or Path, optional
-        also write an SSP 1.0 file with all FMUs and their connections; needs FMI 2.0, "endpoint" and pyssp_standard
+        also write an SSP file (1.0, with FMI 3.0: 2.0) with all FMUs, their connections, ports of the system and a
+        parameter set; needs "endpoint"
     platforms : str or sequence of str
         platforms of the libraries, cross-compiled with Zig: linux64, aarch64-linux, win64, darwin64, aarch64-darwin,
         wasm32, or all; by default this machine
@@ -102,7 +103,7 @@ def export(
     wrench_mode = wrench_mode or "endpoint"
     checked = as_scene(scene).check_one_run()
     if ssp is not None:
-        _check_ssp(Path(ssp), fmi, wrench_mode)
+        _check_ssp(Path(ssp), wrench_mode)
     wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
     if fmi == "2.0" and not sources and not wanted and (sentence := missing_backend(backend)):
         warn(message("W-backend", sentence))
@@ -174,10 +175,12 @@ def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool
         )
 
 
-def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:
-    if fmi != "2.0" or wrench_mode != "endpoint":
+def _check_ssp(path: Path, wrench_mode: WrenchMode) -> None:
+    if wrench_mode != "endpoint":
         raise SceneError(
-            ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
+            [
+                "an SSP file needs FMUs with end-point wrenches, as other tools couple them; leave out wrench_mode"
+            ]
         )
     check_ssp(path)
 
