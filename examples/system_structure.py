@@ -10,9 +10,8 @@ system = read_ssd(str(ssp)).system
 print("ports:", ", ".join(port.name for port in system.connectors if port.name.startswith("HL")))
 
 parameters = read_ssv(str(ssp), system.parameterBindings[0].source)
-for parameter in parameters.parameters:
-    if parameter.name == "workbench.hinge_left.motor_stiffness":
-        parameter.value = "0.2"  # N.m/rad
+parameters.parameters = [p for p in parameters.parameters if p.name == "workbench.hinge_left.motor_stiffness"]
+parameters.parameters[0].value = "0.2"  # N.m/rad
 
 options = {"stop_time": 4.3, "step_size": 0.1}
 runs = {
