@@ -40,6 +40,7 @@ from .contract.frames import (
     skew,
     sum_of_moments,
 )
+from .contract.mass import RigidMass
 from .contract.ports import WRENCH_SIZE
 
 _MOST_ITERATIONS = 25
@@ -394,7 +395,7 @@ class Beam(Component):
         return y.ravel()
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Momenta, energies, positions of the nodes and resultants of the sections."""
+        """Momenta, energies, positions of the nodes, resultants and orientations of the sections."""
         nodes = self._nodes(x)
         strains = self.elements.strains(nodes.poses)
         momentum = self._masses @ nodes.velocity
@@ -410,8 +411,25 @@ class Beam(Component):
                 nodes.position.ravel(),
                 resultants[:, :3].ravel(),
                 resultants[:, 3:].ravel(),
+                nodes.quaternion.ravel(),
             )
         )
+
+    def masses(self) -> list[RigidMass]:
+        """Sections at the nodes, and the consistent mass of elements: by Simpson's rule 1/6, 4/6 and 1/6 along each."""
+        position, orientation = (
+            self.observation_layout[f"node_{name}"].start for name in ("position", "orientation")
+        )
+        sixth = self._section.line_mass * self.elements.lengths / 6.0
+        ends = np.append(sixth, 0.0) + np.append(0.0, sixth)
+        center, none = np.zeros(3), np.zeros((3, 3))
+        found = []
+        for k, (mass, inertia) in enumerate(zip(ends.tolist(), self._inertia, strict=True)):
+            at, turned = position + 3 * k, orientation + 4 * k
+            found.append(RigidMass(mass, center, np.diag(inertia), (at, at), turned))
+            if k < len(sixth):
+                found.append(RigidMass(4.0 * float(sixth[k]), center, none, (at, at + 3), turned))
+        return found
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/kernels/beam.c` reads."""

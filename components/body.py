@@ -67,6 +67,7 @@ from .contract.frames import (
     skew,
     sum_of_moments,
 )
+from .contract.mass import RigidMass
 from .flexible.modal import ModalData
 from .numerics.oscillators import Propagator, propagator
 
@@ -390,6 +391,14 @@ class Body(Component):
         if self._interface is None:
             return found
         return np.concatenate((found, self._interface.observe(x[_Q], x[_W], x[self._moments.stop :], u)))
+
+    def masses(self) -> list[RigidMass]:
+        """The undeformed body at its floating frame."""
+        position, orientation = (
+            self.observation_layout[f"frame_{name}"].start for name in ("position", "orientation")
+        )
+        data = self.data
+        return [RigidMass(data.mass, data.center_of_mass, data.inertia, (position, position), orientation)]
 
     def complete(self, c: _Constants, x: Vector) -> Vector:
         """The state with a quaternion of unit length and the angular velocity that belongs to its momenta."""

@@ -102,6 +102,8 @@ def observations(nodes: int) -> list[Quantity]:
                  3 * elements),
         _resized("section_moment", "N.m", "Moment of every element's section: torsion, bending about y and z",
                  3 * elements),
+        _resized("node_orientation", "1", "Quaternions of the sections at the nodes, one after the other, scalar first",
+                 4 * nodes),
     ]  # fmt: skip
 
 

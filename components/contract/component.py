@@ -48,6 +48,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .mass import RigidMass
 from .ports import Port, Terminal, port_layout, slope_layout
 from .quantity import ComponentError, Layout, Quantity, Vector
 
@@ -238,6 +239,10 @@ class Component(ABC):
     def update(self, c: Any, x: Vector, u: Vector, at_event: bool) -> Vector:  # noqa: ANN401
         """What a state remembers of an accepted step of the solver and, at an event, what happens there."""
         return x
+
+    def masses(self) -> Sequence[RigidMass]:
+        """Masses that its ports move; none of connections and of what moves by a law."""
+        return ()
 
     def native_data(self) -> Mapping[str, ArrayLike] | None:
         """Arrays of numbers by name that the native kernel of this kind reads; None where there is no kernel.

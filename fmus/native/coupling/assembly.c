@@ -788,6 +788,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
         for (size_t k = 0; k < columns; k++) z[k] += weights[i] * first[i * a->row_size + 2 + k];
     const double *before = row_before(a, x, first, count);
     for (size_t i = 0; i < a->flags; i++) z[a->flag[i]] = before[2 + a->flag[i]];
+    if (a->appendage.frame) appendage_observe(&a->appendage, z, z + columns);
 }
 
 /* Whether what happens to a line at a time (s), negative for never, has done so at the communication point. */

@@ -210,10 +210,27 @@ static int create_rows(Assembly *a, const Data *data, const Sizes *sizes, Memory
     a->flag = whole_numbers(data, "flags", &a->flags, memory, why);
     a->angle = a->flag ? whole_numbers(data, "angles", &a->angles, memory, why) : NULL;
     if (!a->angle) return 0;
-    if (r->columns != sizes->observations || r->signals || !are_below(a->flag, a->flags, 1, r->columns) ||
+    if (r->columns + (a->appendage.frame ? APPENDAGE : 0) != sizes->observations || r->signals || !are_below(a->flag, a->flags, 1, r->columns) ||
         !are_below(a->angle, a->angles, 1, r->columns))
         return refuse(why, "the assembly records what it has not");
     a->row_size = 2 + r->columns + CHANNELS;
+    return 1;
+}
+
+/* Read what a driven base carries: places of its frame, then of masses; no numbers without such a base. */
+static int read_appendage(Assembly *a, const Data *data, Memory *memory, Reason *why) {
+    Appendage *m = &a->appendage;
+    const size_t columns = a->sequence.coupling.rows.columns;
+    size_t count = 0;
+    const size_t *place = whole_numbers(data, "masses", &count, memory, why);
+    if (!place || count == 0) return place != NULL;
+    m->masses = (count - FRAME_PLACES) / MASS_PLACES;
+    m->value = data_array(data, "mass_values", MASS_VALUES * m->masses, why);
+    m->frame = place;
+    m->place = place + FRAME_PLACES;
+    if (!m->value) return 0;
+    if (count != FRAME_PLACES + MASS_PLACES * m->masses || columns < 4 || !are_below(place, count, 1, columns - 3))
+        return refuse(why, "the assembly's masses are damaged");
     return 1;
 }
 
@@ -252,5 +269,5 @@ static int read_names(Assembly *a, const Data *data, Memory *memory, Reason *why
 int assembly_furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     return create_participants(a, data, memory, why) && create_events(a, data, memory, why) &&
            create_commands(a, data, sizes, memory, why) && create_peaks(a, data, sizes, memory, why) &&
-           create_rows(a, data, sizes, memory, why) && read_names(a, data, memory, why) && read_rest(a, data, why);
+           read_appendage(a, data, memory, why) && create_rows(a, data, sizes, memory, why) && read_names(a, data, memory, why) && read_rest(a, data, why);
 }

@@ -5,6 +5,7 @@
 #define FANFOLD_ASSEMBLY_MODEL_H
 
 #include "alike.h"
+#include "appendage.h"
 #include "host_stability.h"
 #include "instance.h"
 #include "tables.h"
@@ -58,6 +59,7 @@ typedef struct {
     Peak *peak;
     const size_t *flag, *angle; /* (flags,) places of observations that are 0 or 1, (angles,) that are angles of lines */
     DrivenFrame driven;
+    Appendage appendage;
     NotedSteps noted;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
     const double *rest_states, *rest_inputs, *rest_wrenches;

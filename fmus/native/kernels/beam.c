@@ -133,6 +133,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     z[Z_POTENTIAL_ENERGY] = energy;
     z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
     memcpy(z + Z_NODE_POSITION, x + place_of_position(beam), 3 * nodes * sizeof(double));
+    memcpy(moment + 3 * elements, x + place_of_orientation(beam), 4 * nodes * sizeof(double));
     beam->end_of_step.known = 0; /* its start has been written over */
 }
 

@@ -25,7 +25,7 @@ from components.end_stop import OF_HINGE
 from fmus.compiled import component_data
 from fmus.native.compile import ASSEMBLY
 
-from ...assembly import Assembly, HingeLine
+from ...assembly import Assembly, HingeLine, Part
 from ...assembly.signal_fmus import MEETS_RATES
 from ...cosim.network import Network
 from ...cosim.participant import InProcess
@@ -61,6 +61,18 @@ _DRIVES = (
     ("acceleration", "m/s2", "acceleration of the frame"),
     ("angular_acceleration", "rad/s2", "angular acceleration of the frame"),
 )
+_CARRIED = (
+    ("appendage_mass", "kg", "mass of all bodies of the scene", 1),
+    ("appendage_center_of_mass", "m", "centre of mass of these, from the origin of the frame, its axes", 3),
+    (
+        "appendage_inertia",
+        "kg.m2",
+        "inertia tensor of these as one rigid body about the origin of the frame, its axes: xx, yy, zz, xy, xz, yz",
+        6,
+    ),
+)
+"""Observations that come last, in the order of native/coupling/appendage.h."""
+_FRAME = ("frame_position", "frame_orientation")
 _PEAKED = (LOAD, INTERFACE_LOAD)
 _TOLERANCE = Quantity(
     "tolerance",
@@ -135,6 +147,7 @@ class AssembledScene(Component, registered=False):
                 [peak for peak, _ in peaks],
                 list(_flags(observed)),
             ),
+            **_masses(self._names, observed, self._parts),
             "angles": list(_angles(self._names, observed, assembly.hinge_lines)),
             **rest(assembly, settings, network.order),
         }
@@ -153,7 +166,7 @@ class AssembledScene(Component, registered=False):
                 *(_angle_of(line) for line in assembly.hinge_lines),
                 *(quantity for _, quantity in peaks),
             ),
-            observations=_of_parts(self._names, observed),
+            observations=[*_of_parts(self._names, observed), *_carried(assembly)],
         )
         known = [*self.output_layout.quantities, *self.observation_layout.quantities]
         self.terminals = tuple(_terminals(assembly, self.input_layout.quantities, known))
@@ -247,6 +260,21 @@ def _angles(names: Sequence[str], layouts: Sequence[Layout], lines: Sequence[Hin
     return (firsts[line.sensor] + of_names[line.sensor][_ANGLE].start for line in lines)
 
 
+def _masses(
+    names: Sequence[str], layouts: Sequence[Layout], parts: Sequence[tuple[Part, Component]]
+) -> Mapping[str, ArrayLike]:
+    """Places of the frame of a driven base and of all masses among the observations, and the masses."""
+    firsts = np.cumsum([0, *(layout.size for layout in layouts)]).tolist()
+    frame, places, values = [], [], []
+    for first, layout, (part, component) in zip(firsts, layouts, parts, strict=False):
+        if part.kind == DRIVEN:
+            frame = [first + layout[name].start for name in _FRAME]
+        for mass in component.masses():
+            places += [first + place for place in (*mass.ends, mass.orientation)]
+            values += [mass.mass, *mass.center_of_mass.tolist(), *mass.inertia.ravel().tolist()]
+    return {"masses": [*frame, *places] if frame else [], "mass_values": values}
+
+
 def _latch_commands(lines: Sequence[HingeLine]) -> Iterator[tuple[Command, Quantity]]:
     for number, line in enumerate(lines):
         for command, unlatches, text in (
@@ -286,6 +314,13 @@ def _drives(assembly: Assembly) -> Iterator[Quantity]:
             )
 
 
+def _carried(assembly: Assembly) -> Iterator[Quantity]:
+    """Mass properties of what a driven base carries."""
+    for name in (part.name for part in assembly.parts if part.kind == DRIVEN):
+        for variable, unit, text, size in _CARRIED:
+            yield Quantity(f"{name}.{variable}", unit, f"{name}: {text}", size)
+
+
 def _told_of(line: HingeLine) -> Iterator[Quantity]:
     yield Quantity(
         f"{line.name}.latch_time",
@@ -314,16 +349,14 @@ def _terminals(
     driving = [quantity.name for quantity in inputs]
     others = [quantity.name for quantity in known]
     for base in (part.name for part in assembly.parts if part.kind == DRIVEN):
-        loads = [
-            name for name in others if name.startswith(f"{base}.interface_") and not name.endswith("_peak")
-        ]
+        told = (f"{base}.interface_", f"{base}.appendage_")
+        loads = [name for name in others if name.startswith(told) and not name.endswith("_peak")]
         members = (
             *(_member(base, name, "signal") for name in driving if name.startswith(f"{base}.")),
             *(_member(base, name, "outflow" if name.endswith(_FLOWS) else "signal") for name in loads),
         )
-        yield Terminal(
-            base, "driven-base", f"Motion of the base {base}, and loads of the wing on it", members, "bus"
-        )
+        text = f"Motion of the base {base}, loads of the wing on it, mass properties of the wing"
+        yield Terminal(base, "driven-base", text, members, "bus")
     for line in assembly.hinge_lines:
         found = [name for name in (*driving, *others) if name.startswith(f"{line.name}.")]
         members = tuple(_member(line.name, name, "signal") for name in found)

@@ -35,7 +35,7 @@ static int read_sizes(Beam *beam, const Data *data, const Sizes *sizes, Reason *
     beam->nodes = lengths + 1;
     beam->ports = ports;
     beam->states = states_of(beam->nodes);
-    const size_t observations = OBSERVATIONS + 3 * beam->nodes + 6 * lengths;
+    const size_t observations = OBSERVATIONS + 7 * beam->nodes + 6 * lengths;
     const Sizes own = {PARAMETERS + 6 * beam->nodes, WRENCH_SIZE * ports, MOTION_SIZE * ports, observations};
     return check_sizes(KIND, sizes, &own, why);
 }
