@@ -3,7 +3,8 @@ r"""Gear between two bodies on a carrier: keeps the angle of one in a ratio to t
 $$ T = -k\, s - c\, \dot s,\qquad s = \varphi_1 - r\, q_2 - (\varphi_1 - r\, q_2)_\mathrm{start} $$
 
 on the first body, and $-r T$ on the second, with the angle $\varphi_1$ and the angle or distance $q_2$, both relative
-to the carrier. A rack or a screw has a distance. The ratio is negative for an external pair.
+to the carrier. A rack or a screw has a distance. The ratio is negative for an external pair. With a carrier for each
+body it is a coupler of any two joints: each carrier takes the reaction of its own body.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import ArrayLike
 from .contract.component import ComponentError, Vector
 from .contract.connection import HEAT, SLOPES, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Quaternion, Vector3, nearest_turn, rotate
-from .contract.ports import PortMoments, PortMotion
+from .contract.ports import WRENCH_SIZE, PortMoments, PortMotion
 from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, LOAD, NUMERICAL_DISSIPATION, ORDER, POTENTIAL_ENERGY
 from .numerics.fourth_order_correction import memories_after, stiff_load
@@ -32,8 +33,8 @@ from .numerics.relative_motion import (
 from .numerics.stiff_coordinate import Memory, StepMotion
 
 _MOTIONS = ("rotation", "translation")
-_SIZE = 18
-_NO_WRENCH = (0.0,) * _SIZE
+_BODIES = (1, 2)
+"""Ports of the first and of the second body."""
 _NONE: Vector3 = (0.0, 0.0, 0.0)
 
 
@@ -47,7 +48,7 @@ class _Parameters(NamedTuple):
 
 
 class _Seat(NamedTuple):
-    """A body on the carrier: frame of its axis, gap from the carrier (m, world axes), tilt, coordinate (rad or m)."""
+    """A body on its carrier: frame of its axis, gap from the carrier (m, world axes), tilt, coordinate (rad or m)."""
 
     frame: Quaternion
     gap: Vector3
@@ -56,18 +57,18 @@ class _Seat(NamedTuple):
 
 
 class _State(NamedTuple):
-    seats: Annotated[tuple[_Seat, ...], kept("1", "Both bodies on the carrier (rad, m)").sized(2)]
+    seats: Annotated[tuple[_Seat, ...], kept("1", "Both bodies on their carriers (rad, m)").sized(2)]
     start: Annotated[float, kept("rad", "Deflection that counts as none")]
     memory: Annotated[Memory, kept("rad/s", "Remembered rates of the deflection, and roughness")]
     heat: Annotated[float, HEAT]
     slide: Annotated[MidStep, kept("rad/s", "Mean rates of the deflection over two steps")]
-    wrench: Annotated[tuple[float, ...], WRENCH.sized(_SIZE)]
-    slopes: Annotated[tuple[float, ...], SLOPES.sized(_SIZE)]
-    numerical: Annotated[float, kept("J", "What the scheme took away")] = 0.0
+    numerical: Annotated[float, kept("J", "What the scheme took away")]
+    wrench: Annotated[tuple[float, ...], WRENCH]
+    slopes: Annotated[tuple[float, ...], SLOPES]
 
 
 class _Observations(NamedTuple):
-    first_angle: Annotated[float, observed("rad", "Angle of the first body against the carrier")]
+    first_angle: Annotated[float, observed("rad", "Angle of the first body against its carrier")]
     second_coordinate: Annotated[float, observed("1", "Angle (rad) or distance (m) of the second body")]
     gear_torque: Annotated[float, observed("N.m", "Torque on the first body", LOAD)]
     potential_energy: Annotated[float, POTENTIAL_ENERGY]
@@ -78,12 +79,13 @@ class _Observations(NamedTuple):
 class Gear(Connection[_Parameters, _State, Impulse]):
     """Gear of two bodies, ports `first` and `second`, on the port `carrier`; loads of teeth on bearings are not in it.
 
-    first_axis, second_axis: of both motions, in the axes of all ports when they coincide. second_motion: "rotation", or
-    "translation" for a rack or a screw.
+    first_axis, second_axis: of both motions, in the axes of a body and its carrier when they coincide. second_motion:
+    "rotation", or "translation" for a rack or a screw. second_carrier: the second body moves on the port
+    `second_carrier`, as a coupler of two hinge lines anywhere in a wing has it.
     """
 
-    kind, port_names = "gear", ("carrier", "first", "second")
-    parameters, states = Record(_Parameters), Record(_State)
+    kind, ports_vary = "gear", True
+    parameters = Record(_Parameters)
     commands, observations = Record(Impulse), Record(_Observations)
 
     def __init__(
@@ -91,6 +93,7 @@ class Gear(Connection[_Parameters, _State, Impulse]):
         first_axis: Sequence[float] = (0.0, 1.0, 0.0),
         second_axis: Sequence[float] = (0.0, 1.0, 0.0),
         second_motion: Literal["rotation", "translation"] = "rotation",
+        second_carrier: bool = False,
         wrench_mode: str = "mean",
     ) -> None:
         if second_motion not in _MOTIONS:
@@ -100,16 +103,23 @@ class Gear(Connection[_Parameters, _State, Impulse]):
             axis_frame(second_axis, "the axis of the second body", "second_axis"),
         )
         self._slides = (False, second_motion == "translation")
+        has_two = bool(second_carrier)
+        self.port_names = ("carrier", "first", "second", *["second_carrier"] * has_two)
+        self._carriers = (0, len(self.port_names) - 1 if has_two else 0)
+        size = WRENCH_SIZE * len(self.port_names)
+        self._no_wrench = (0.0,) * size
+        self.states = Record(_State, wrench=size, slopes=size)
         structure = {
             "first_axis": tuple(first_axis),
             "second_axis": tuple(second_axis),
             "second_motion": second_motion,
+            "second_carrier": has_two,
         }
         super().__init__(structure, wrench_mode)
 
     def _seat(self, i: int, motions: Sequence[PortMotion], reference: float) -> tuple[_Seat, float]:
         """Of one body and its rate; the angle is the one nearest the reference."""
-        of_pair = (motions[0], motions[i + 1])
+        of_pair = (motions[self._carriers[i]], motions[_BODIES[i]])
         pose = relative_pose(of_pair, self._axes[i])
         rates = relative_rates(of_pair, pose)
         slides = self._slides[i]
@@ -143,10 +153,11 @@ class Gear(Connection[_Parameters, _State, Impulse]):
         (first, second), (rate, other) = self._seats(u, 0.0, 0.0)
         start, rate = first.coordinate - c.ratio * second.coordinate, rate - c.ratio * other
         memory, slide = Memory(rate, rate), MidStep.starting(rate)
-        return _State((first, second), start, memory, 0.0, slide, _NO_WRENCH, _NO_WRENCH)
+        no_wrench = self._no_wrench
+        return _State((first, second), start, memory, 0.0, slide, 0.0, no_wrench, no_wrench)
 
     def advance(self, c: _Parameters, s: _State, u: Inputs[Impulse], h: float) -> _State:
-        """The mean torque over the step, on both bodies and the carrier."""
+        """The mean torque over the step, on both bodies and their carriers."""
         old = s.seats
         new, rates = self._seats(u, *(seat.coordinate for seat in old))
         is_impulse = u.commands.impulse > 0.5
@@ -179,19 +190,28 @@ class Gear(Connection[_Parameters, _State, Impulse]):
             memory=memory,
             heat=s.heat + load.heat,
             slide=slide,
-            wrench=_on_three(pairs[0][0], pairs[1][0]),
-            slopes=_on_three(pairs[0][1], pairs[1][1]) if is_paired else _NO_WRENCH,
             numerical=s.numerical + load.numerical,
+            wrench=self._on_ports([mean for mean, _ in pairs]),
+            slopes=self._on_ports([slope for _, slope in pairs]) if is_paired else self._no_wrench,
         )
 
     def _moment(
         self, i: int, passage: Passage, moments: Sequence[PortMoments], swing: tuple[float, float]
     ) -> float:
         """First moment of the rate of a coordinate."""
-        rates = passage.rate_moments((moments[0], moments[i + 1]), swing)
+        rates = passage.rate_moments((moments[self._carriers[i]], moments[_BODIES[i]]), swing)
         return rates.offset[0] if self._slides[i] else rates.twist
 
-    def _torque(
+    def _on_ports(self, pairs: Sequence[Sequence[float]]) -> tuple[float, ...]:
+        """Wrenches on all ports, from those on each carrier and its body."""
+        wrenches = list(self._no_wrench)
+        for carrier, body, both in zip(self._carriers, _BODIES, pairs, strict=True):
+            for k in range(WRENCH_SIZE):
+                wrenches[WRENCH_SIZE * carrier + k] += both[k]
+                wrenches[WRENCH_SIZE * body + k] += both[WRENCH_SIZE + k]
+        return tuple(wrenches)
+
+    def _deflection(
         self, c: _Parameters, s: _State, u: Inputs[Impulse]
     ) -> tuple[tuple[_Seat, _Seat], float, float]:
         """Both bodies, the deflection and its rate at an instant."""
@@ -201,25 +221,23 @@ class Gear(Connection[_Parameters, _State, Impulse]):
 
     def wrenches(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Of the torque of an instant."""
-        seats, deflection, rate = self._torque(c, s, u)
-        torque = -c.stiffness * deflection - c.damping * rate
-        pairs = []
+        seats, deflection, rate = self._deflection(c, s, u)
+        torque, pairs = _torque(c, deflection, rate), []
         for i, (seat, share) in enumerate(zip(seats, (1.0, -c.ratio), strict=True)):
             force, moment = self._loads(i, share * torque, seat.swing)
             pairs.append(pair(rotate(seat.frame, force), rotate(seat.frame, moment), seat.gap))
-        return _on_three(*pairs)
+        return self._on_ports(pairs)
 
     def record(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> _Observations:
         """At the communication point."""
-        (first, second), deflection, rate = self._torque(c, s, u)
-        felt = rate if self.endpoint else s.slide.now()
-        torque = -c.stiffness * deflection - c.damping * felt
+        (first, second), deflection, rate = self._deflection(c, s, u)
+        torque = _torque(c, deflection, rate if self.endpoint else s.slide.now())
         stored = 0.5 * c.stiffness * deflection * deflection
         return _Observations(first.coordinate, second.coordinate, torque, stored, s.heat, s.numerical)
 
     def powers(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Heat (W) of the damper."""
-        _, _, rate = self._torque(c, s, u)
+        _, _, rate = self._deflection(c, s, u)
         return (c.damping * rate * rate,)
 
     def follow(self, c: _Parameters, s: _State, u: Inputs[Impulse], at_event: bool) -> _State:
@@ -229,18 +247,23 @@ class Gear(Connection[_Parameters, _State, Impulse]):
         return s._replace(seats=tuple(a._replace(coordinate=b.coordinate) for a, b in seats))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
-        """Axes, kind of the second motion, and mode."""
+        """Axes, kind of the second motion, whether it has a carrier of its own, and mode."""
         first, second = self._axes
         return {
             **super().native_data(), "first_frame": first, "second_frame": second, "second_slides": self._slides[1],
+            "second_carrier": self._carriers[1] != self._carriers[0],
         }  # fmt: skip
+
+    @classmethod
+    def example(cls) -> Gear:
+        """A coupler: each body on a carrier of its own."""
+        return cls(second_carrier=True)
 
 
 def _middle(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
     return 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
 
 
-def _on_three(first: Sequence[float], second: Sequence[float]) -> tuple[float, ...]:
-    """Wrenches on carrier, first and second body, from those on both pairs."""
-    carrier = (a + b for a, b in zip(first[:6], second[:6], strict=True))
-    return (*carrier, *first[6:], *second[6:])
+def _torque(c: _Parameters, deflection: float, rate: float) -> float:
+    """Torque (N.m) on the first body."""
+    return -c.stiffness * deflection - c.damping * rate

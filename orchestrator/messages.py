@@ -51,7 +51,7 @@ CODES = {
     "W-latch-curve": "a latch's torque curve is contradicted or cannot be followed",
     "W-latch-inertia": "latch damping counts less inertia than moves with the line",
     "W-linear-plate": "a linear plate bent by more than its thickness",
-    "W-loop-data": "a cable loop's radii, axis or stiffness, or a gear's ratio, do not fit its lines",
+    "W-loop-data": "a cable loop or a gear does not fit its lines, or several leave them no motion",
     "W-membrane-mesh": "a membrane's mesh is coarse for its rims",
     "W-modes-omitted": "an analysis of small motion leaves something out",
     "W-motion-reach": "a joint stays open where motions lead farthest",

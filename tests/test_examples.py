@@ -35,6 +35,15 @@ def attitude_control(found, folder):
     assert found["controlled"].headline.energy_residual < 1e-4
 
 
+def coupled_lines(found, folder):
+    """Definition: HL1 and HL3 differ by the wind-up of the coupler, torque over stiffness, and latch together."""
+    run = found["run"]
+    wound = run["hl1_hinge", "angle"][:] - 0.5 * run["hl3_left", "angle"][:]
+    assert np.abs(wound).max() < 1.05 * np.abs(run["coupler", "gear_torque"][:]).max() / 2e4
+    assert run.latch_times["HL1"] == pytest.approx(run.latch_times["HL3"], abs=0.05)
+    assert run.headline.energy_residual < 1e-4
+
+
 def for_other_tools(found, folder):
     """Data sheet: 28.76 N.m.s/rad, here at 0.5 rad/s."""
     assert found["torque"] == pytest.approx(-14.38)

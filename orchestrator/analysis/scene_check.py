@@ -27,10 +27,11 @@ from ..scene.bodies import Attachment, StartPose, body_definition, body_model
 from ..scene.body_tables import Body, Fidelity
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
+from ..scene.loops.coupled_lines import loop_coupling
 from ..scene.loops.initial_assembly import Closed
 from ..scene.loops.rates import momenta
 from ..validity.before_run import warnings_before_run
-from ..validity.cable_loops import loop_travels
+from ..validity.cable_loops import coupled_travels
 from .opening import opening
 
 Places = Mapping[str, StartPose]
@@ -325,12 +326,12 @@ def _motor_torques(line: HingeLine) -> tuple[float, float] | None:
 
 
 def _loop(scene: PlacedScene, loop: Ccl) -> LoopOverview:
-    travels = loop_travels(scene, loop)
+    travels = coupled_travels(scene, loop_coupling(scene, loop))
     ends = loop.pulley_1, loop.pulley_2
     return LoopOverview(
         loop.name, (ends[0].body, ends[1].body), (ends[0].radius, ends[1].radius),
         None if travels is None else (travels.first, travels.second),
-        0.0 if travels is None else travels.mismatch(loop), loop.preload,
+        0.0 if travels is None else travels.mismatch, loop.preload,
     )  # fmt: skip
 
 

@@ -9,8 +9,7 @@ from typing import NamedTuple
 from components.contract.frames import Vector3, cross, norm
 
 from ..messages import coded
-from ..scene.connection_tables import Ccl
-from ..scene.loops.coupled_lines import body_between, gears, is_carried, turning
+from ..scene.loops.coupled_lines import Coupling, gears, jams, line_turns, loop_coupling
 from ..scene.placed_scene import PlacedScene
 
 _ASKEW = 1e-3
@@ -24,43 +23,41 @@ def loop_warnings(scene: PlacedScene) -> Iterator[str]:
     yield from coded("W-loop-data", _unlike_travels(scene))
     yield from coded("W-loop-data", _askew_loops(scene))
     yield from coded("W-loop-data", _unlike_ratios(scene))
+    yield from coded("W-loop-data", _jammed(scene))
 
 
 class Travels(NamedTuple):
-    """Rotations (rad) of both pulleys of a loop relative to the body between them, until full deployment."""
+    """Rotations (rad) of both bodies of a cable loop or gear relative to their carriers, until full deployment.
+
+    mismatch: cable length (m) that one pulley winds up and the other does not release, or twist (rad) of the gear.
+    """
 
     first: float
     second: float
-
-    def mismatch(self, loop: Ccl) -> float:
-        """Difference (m) of the cable lengths that the two pulleys wind up and release."""
-        return abs(loop.pulley_1.radius * self.first - loop.pulley_2.radius * self.second)
+    mismatch: float
 
 
-def loop_travels(scene: PlacedScene, loop: Ccl) -> Travels | None:
-    """The travels that a loop couples; None if no single body is between its pulleys."""
-    bodies = loop.pulley_1.body, loop.pulley_2.body
-    carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
-    if carrier is None:
+def coupled_travels(scene: PlacedScene, coupling: Coupling) -> Travels | None:
+    """The travels that are coupled; None where lines alone do not tell them."""
+    ways = {
+        line.name: 0.0 if line.held else line.deployed_angle - line.initial_angle
+        for line in scene.hinge_lines
+    }
+    turns = line_turns(scene, coupling)
+    if not turns:
         return None
-    first, second = (_travel(scene, body, loop.axis) - _travel(scene, carrier, loop.axis) for body in bodies)
-    return Travels(first, second)
-
-
-def _travel(scene: PlacedScene, body: str, axis: Vector3) -> float:
-    """Rotation (rad) of a body about an axis against the base, until full deployment."""
-    travels = {line.name: line.deployed_angle - line.initial_angle for line in scene.hinge_lines}
-    return sum((rate * travels[name] for name, rate in turning(scene, body, axis).items()), 0.0)
+    first, second = (sum((rate * ways[name] for name, rate in turn.items()), 0.0) for turn in turns)
+    return Travels(first, second, abs(coupling.radii[0] * first - coupling.radii[1] * second))
 
 
 def _unlike_travels(scene: PlacedScene) -> Iterator[str]:
     """Loops whose radii do not fit their travels, so that a strand goes slack."""
     for loop in scene.loops:
-        travels = loop_travels(scene, loop)
-        if travels is None or travels.mismatch(loop) * loop.strand_stiffness <= loop.preload:
+        travels = coupled_travels(scene, loop_coupling(scene, loop))
+        if travels is None or travels.mismatch * loop.strand_stiffness <= loop.preload:
             continue
-        first, second = (abs(degrees(turn)) for turn in travels)
-        r1, r2, left = 1e3 * loop.pulley_1.radius, 1e3 * loop.pulley_2.radius, travels.mismatch(loop)
+        first, second = (abs(degrees(turn)) for turn in (travels.first, travels.second))
+        r1, r2, left = 1e3 * loop.pulley_1.radius, 1e3 * loop.pulley_2.radius, travels.mismatch
         fit = f" Radii in the ratio {second:g} to {first:g} would fit." if first and second else ""
         if travels.first * travels.second < 0.0:
             fit = " The pulleys turn in opposite senses: check the axes of the lines."
@@ -74,21 +71,28 @@ def _unlike_travels(scene: PlacedScene) -> Iterator[str]:
 def _unlike_ratios(scene: PlacedScene) -> Iterator[str]:
     """Gears that the lines which they couple wind up on their way."""
     for gear in gears(scene):
-        if not all(is_carried(scene, body) for body in (*gear.bodies, gear.guide or "")):
+        travels = coupled_travels(scene, gear)
+        if travels is None:
             continue
-        first, second = (
-            _travel(scene, body, axis) - _travel(scene, gear.guide or "", axis)
-            for body, axis in zip(gear.bodies, gear.axes, strict=True)
-        )
-        ratio = gear.radii[1]
-        wound = first - ratio * second
-        if abs(wound) > _WOUND * max(abs(first), abs(ratio * second)):
+        (first, second, wound), ratio = travels, gear.radii[1]
+        if wound > _WOUND * max(abs(first), abs(ratio * second)):
             fit = f" A ratio of {first / second:g} would fit." if first and second else ""
+            carriers = "the carrier" if len(set(gear.carriers or ())) == 1 else "their carriers"
             yield (
-                f"connection.{gear.name}: its ratio of {ratio:g} does not fit the travels of the lines: its bodies "
-                f"turn by {degrees(first):g} and {degrees(second):g} deg against the carrier, which winds the gear "
-                f"by {degrees(abs(wound)):.3g} deg.{fit}"
+                f"{gear.key}: its ratio of {ratio:g} does not fit the travels of the lines: its bodies "
+                f"turn by {degrees(first):g} and {degrees(second):g} deg against {carriers}, which winds the gear "
+                f"by {degrees(wound):.3g} deg.{fit}"
             )
+
+
+def _jammed(scene: PlacedScene) -> Iterator[str]:
+    """Lines that cable loops and gears of unlike ratios, or with held lines, leave no motion."""
+    for jam in jams(scene):
+        yield (
+            f"{' and '.join(jam.keys)}: with {'these' if len(jam.keys) > 1 else 'this'} {' and '.join(jam.lines)} "
+            "cannot move, as ratios differ or a coupled line is held. Check radii, axes and ratios with their signs, "
+            "and `held`."
+        )
 
 
 def _askew_loops(scene: PlacedScene) -> Iterator[str]:

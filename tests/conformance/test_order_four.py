@@ -7,6 +7,7 @@ import pytest
 
 from components.ccl import CableLoop
 from components.drive import Drive
+from components.gear import Gear
 from components.hinge import Hinge
 from fmus import native_library
 from tests.conformance.programs import trial
@@ -21,6 +22,7 @@ VARIANTS = {
     ),
     "kinematic_latch": Hinge(axis=(0.3, 0.9, -0.1), latch="kinematic"),
     "free_strands": CableLoop(guided=False),
+    "rack": Gear(second_motion="translation"),
     "step_profile": Drive(profile="step"),
 }
 

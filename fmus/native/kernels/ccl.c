@@ -8,7 +8,6 @@ typedef struct Loop {
     Connection base;
     double axis_frame[4];
     int guided;
-    size_t ports, slopes; /* number of ports, and where the slopes of wrenches begin in the state */
     Law strand;
 } Loop;
 
@@ -104,10 +103,7 @@ static inline void store_wrenches(const Loop *loop, const Geometry *g, Strands t
     vector_store(torque_2, wrench + 9);
 }
 
-/* Where the own inputs begin, after which come the first moments. */
-static inline const real *own_inputs(const Loop *loop, const real *u) { return u + MOTION_SIZE * loop->ports; }
-
-static inline int is_held(const Loop *loop, const real *u) { return commanded(own_inputs(loop, u), U_HOLD); }
+static inline int is_held(const Loop *loop, const real *u) { return commanded(own_inputs(&loop->base, u), U_HOLD); }
 
 static inline void store_geometry(const Geometry *g, real *x) {
     x[X_ANGLES] = g->angle_1;
@@ -156,7 +152,7 @@ static inline Vector3 moment_against(const Geometry *g, const Line *line, Vector
 /* Moments of both elongations' rates; the adjoint of store_pairs. */
 static inline Strands strand_moments(const Loop *loop, const double *x, const real *u, const Geometry *g,
                                      const Line *line) {
-    const real *first = own_inputs(loop, u) + OWN_INPUTS, *second = first + WRENCH_SIZE;
+    const real *first = own_inputs(&loop->base, u) + OWN_INPUTS, *second = first + WRENCH_SIZE;
     Vector3 apart = vector_subtract(vector_of(second), vector_of(first)), relative_1, relative_2;
     if (loop->guided) {
         Vector3 guide = vector_of(second + WRENCH_SIZE + 3);
@@ -204,9 +200,10 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
     const Loop *loop = self;
     (void)why;
     Geometry new = loop_geometry(loop, u, x[X_ANGLES], x[X_ANGLES + 1]);
-    real start[X_HEAT];
+    const size_t wrenches = wrenches_size(&loop->base);
+    real start[X_HEAT], *slopes = x_next + X_WRENCH + wrenches;
     for (int i = 0; i < X_HEAT; i++) start[i] = x_next[i] = x[i];
-    for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) x_next[loop->slopes + i] = 0.0;
+    for (size_t i = 0; i < wrenches; i++) slopes[i] = 0.0;
     x_next[X_HEAT] = x[X_HEAT];
     store_geometry(&new, x_next);
     store_frames(u, x_next);
@@ -235,7 +232,7 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
         MeanLoad b = load_of_strand(loop, before.b, after.b, moment.b, h);
         x_next[X_HEAT] = x[X_HEAT] + (a.heat + b.heat);
         store_pairs(loop, &middle, &line, (Strands){-a.force, -b.force}, (Strands){-a.slope, -b.slope},
-                    x_next + X_WRENCH, x_next + loop->slopes);
+                    x_next + X_WRENCH, slopes);
         return 1;
     }
     real heat = 0.0;
@@ -284,10 +281,7 @@ static inline Instant loop_now(const Loop *loop, const real *x, const real *u) {
 /* Wrenches on all ports, slopes of mean wrenches. */
 void NAME(loop_outputs)(void *self, const real *x, const real *u, real *y) {
     const Loop *loop = self;
-    if (!loop->base.endpoint) {
-        for (size_t i = 0; i < 2 * WRENCH_SIZE * loop->ports; i++) y[i] = x[X_WRENCH + i];
-        return;
-    }
+    if (gives_means(&loop->base, x, y)) return;
     Instant now = loop_now(loop, x, u);
     store_wrenches(loop, &now.geometry, now.tension, y);
 }
@@ -308,21 +302,12 @@ int NAME(loop_rates)(void *self, const real *raw, const real *x, const real *u, 
 DECLARE_COMPLEX(loop)
 
 static void *loop_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
-    Loop *loop = allocate(memory, sizeof *loop);
-    if (!loop) {
-        refuse(why, "there is no memory for a cable loop");
-        return NULL;
-    }
-    if (!read_choice(data, "guided", 1, &loop->guided, why)) return NULL;
-    if (!read_choice(data, "endpoint", 1, &loop->base.endpoint, why)) return NULL;
-    loop->ports = loop->guided ? 3 : 2;
-    size_t wrenches = WRENCH_SIZE * loop->ports, moments = loop->base.endpoint ? 0 : wrenches;
-    loop->slopes = X_WRENCH + wrenches;
-    *states = loop->slopes + wrenches;
-    const Sizes own = {
-        PARAMETERS, MOTION_SIZE * loop->ports + OWN_INPUTS + moments, wrenches + OWN_OUTPUTS + moments, OBSERVATIONS,
-    };
-    return check_sizes(KIND, sizes, &own, why) && read_axis_frame(data, loop->axis_frame, why) ? loop : NULL;
+    int guided;
+    if (!read_choice(data, "guided", 1, &guided, why)) return NULL;
+    Loop *loop = create_connection(data, sizes, memory, sizeof *loop, guided ? 3 : 2, states, why);
+    if (!loop) return NULL;
+    loop->guided = guided;
+    return read_axis_frame(data, loop->axis_frame, why) ? loop : NULL;
 }
 
 static int loop_prepare(void *self, const double *p, Reason *why) {
@@ -340,7 +325,7 @@ static int loop_initial(void *self, const double *u, double *x, Reason *why) {
     if (distance <= fabs(loop->base.p[P_RADIUS_1] - loop->base.p[P_RADIUS_2]))
         return refuse(why, "the pulleys are %g m apart, less than the difference of their radii; check the ports",
                       distance);
-    memset(x, 0, (loop->slopes + WRENCH_SIZE * loop->ports) * sizeof *x);
+    memset(x, 0, states_size(&loop->base) * sizeof *x);
     store_geometry(&g, x);
     store_start(loop, &g, x);
     store_frames(u, x);
@@ -371,7 +356,7 @@ static void loop_update(void *self, const double *x, const double *u, int at_eve
     const Loop *loop = self;
     (void)at_event;
     Geometry now = loop_geometry(loop, u, x[X_ANGLES], x[X_ANGLES + 1]);
-    memcpy(x_next, x, (loop->slopes + WRENCH_SIZE * loop->ports) * sizeof *x);
+    memcpy(x_next, x, states_size(&loop->base) * sizeof *x);
     x_next[X_ANGLES] = now.angle_1;
     x_next[X_ANGLES + 1] = now.angle_2;
     if (is_held(loop, u)) store_start(loop, &now, x_next);

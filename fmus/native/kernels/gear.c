@@ -1,4 +1,4 @@
-/* Gear between two bodies on a carrier: the twin of components/gear.py. */
+/* Gear between two bodies on one carrier or on two: the twin of components/gear.py. */
 
 #include "gear_layout.h"
 #include "connection.h"
@@ -8,11 +8,11 @@ enum { BODIES = 2, SEAT_GAP = 4, SEAT_SWING = 7, SEAT_COORDINATE = 9, SEAT_SIZE 
 
 typedef struct Gear {
     Connection base;
-    int slides[BODIES];
+    int slides[BODIES], carriers[BODIES]; /* whether a body slides, and the port that carries it */
     double axis_frames[BODIES][4];
 } Gear;
 
-/* A body on the carrier: frame of its axis, gap from the carrier, tilt, angle or distance and its rate. */
+/* A body on its carrier: frame of its axis, gap from the carrier, tilt, angle or distance and its rate. */
 typedef struct Seat {
     Quaternion frame;
     Vector3 gap;
@@ -20,15 +20,15 @@ typedef struct Seat {
     real coordinate, rate;
 } Seat;
 
-/* Motions or moments of the carrier and of one body. */
-static inline void pick_pair(const real *ports, int size, int body, real *both) {
-    memcpy(both, ports, (size_t)size * sizeof *both);
+/* Motions or moments of a body and of its carrier. */
+static inline void pick_pair(const Gear *gear, const real *ports, int size, int body, real *both) {
+    memcpy(both, ports + gear->carriers[body] * size, (size_t)size * sizeof *both);
     memcpy(both + size, ports + (body + 1) * size, (size_t)size * sizeof *both);
 }
 
 static inline Seat seat_of(const Gear *gear, int body, const real *u, real reference) {
     real both[2 * MOTION_SIZE];
-    pick_pair(u, MOTION_SIZE, body, both);
+    pick_pair(gear, u, MOTION_SIZE, body, both);
     Pose pose = relative_pose(both, gear->axis_frames[body]);
     Rates rates = relative_rates(both, &pose);
     if (gear->slides[body]) return (Seat){pose.frame, pose.gap, pose.swing, pose.offset.x, rates.offset.x};
@@ -52,16 +52,16 @@ static inline void seat_loads(const Gear *gear, int body, real load, Transverse 
         *torque = conjugate_torque(load, (Transverse){0.0, 0.0}, swing);
 }
 
-/* Adds wrenches on the carrier and on a body to those on all. */
-static inline void add_pair(const real *both, int body, real *wrench) {
+/* Adds wrenches on a body and on its carrier to those on all. */
+static inline void add_pair(const Gear *gear, const real *both, int body, real *wrench) {
     for (int i = 0; i < WRENCH_SIZE; i++) {
-        wrench[i] += both[i];
+        wrench[gear->carriers[body] * WRENCH_SIZE + i] += both[i];
         wrench[(body + 1) * WRENCH_SIZE + i] = both[WRENCH_SIZE + i];
     }
 }
 
-static inline void clear_wrench(real *wrench) {
-    for (int i = 0; i < MOMENTS; i++) wrench[i] = 0.0;
+static inline void clear_wrench(const Gear *gear, real *wrench) {
+    for (size_t i = 0; i < wrenches_size(&gear->base); i++) wrench[i] = 0.0;
 }
 
 /* Share of the torque on the first body that acts on a body. */
@@ -78,8 +78,9 @@ static inline Transverse middle_swing(const double *x, const Seat *now) {
 /* Stores the wrenches of the mean torque on the first body over a step, and their slopes. */
 static inline void store_gear_load(const Gear *gear, const double *x, const Seat *now, const MeanLoad *load, int paired,
                                    real *x_next) {
-    clear_wrench(x_next + X_WRENCH);
-    clear_wrench(x_next + X_SLOPES);
+    real *wrench = x_next + X_WRENCH, *slope = wrench + wrenches_size(&gear->base);
+    clear_wrench(gear, wrench);
+    clear_wrench(gear, slope);
     for (int i = 0; i < BODIES; i++) {
         const double *seat = x + X_SEATS + i * SEAT_SIZE, share = share_of(gear, i);
         Passage passage = passage_to(seat, now + i);
@@ -91,9 +92,9 @@ static inline void store_gear_load(const Gear *gear, const double *x, const Seat
         if (paired) {
             seat_loads(gear, i, share * load->slope, swing, &force, &torque);
             store_slope_pair(&passage, force, torque, means, slopes);
-            add_pair(slopes, i, x_next + X_SLOPES);
+            add_pair(gear, slopes, i, slope);
         }
-        add_pair(means, i, x_next + X_WRENCH);
+        add_pair(gear, means, i, wrench);
     }
 }
 
@@ -103,7 +104,7 @@ static inline real deflection_moment(const Gear *gear, const double *x, const re
     for (int i = 0; i < BODIES; i++) {
         const double *seat = x + X_SEATS + i * SEAT_SIZE;
         Passage passage = passage_to(seat, now + i);
-        pick_pair(u + INPUTS, WRENCH_SIZE, i, both);
+        pick_pair(gear, own_inputs(&gear->base, u) + OWN_INPUTS, WRENCH_SIZE, i, both);
         Rates rates = rate_moments(&passage, both, middle_swing(seat, now + i));
         sum += share_of(gear, i) * (gear->slides[i] ? rates.offset.x : rates.twist);
     }
@@ -122,12 +123,17 @@ static inline real deflection_rate(const Gear *gear, const Seat *now) {
     return now[0].rate - gear->base.p[P_RATIO] * now[1].rate;
 }
 
-/* One step: the mean torque on both bodies and the carrier. */
+/* Torque on the first body. */
+static inline real torque_of(const Gear *gear, real deflection, real rate) {
+    return -gear->base.p[P_STIFFNESS] * deflection - gear->base.p[P_DAMPING] * rate;
+}
+
+/* One step: the mean torque on both bodies and their carriers. */
 int NAME(gear_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Gear *gear = self;
     (void)why;
     const double stiffness = gear->base.p[P_STIFFNESS], damping = gear->base.p[P_DAMPING];
-    const int impulse = commanded(u, U_IMPULSE), paired = gear->base.paired && !impulse;
+    const int impulse = commanded(own_inputs(&gear->base, u), U_IMPULSE), paired = gear->base.paired && !impulse;
     const double *seats = x + X_SEATS;
     Seat now[BODIES];
     both_seats(gear, x, u, now);
@@ -160,15 +166,14 @@ void NAME(gear_outputs)(void *self, const real *x, const real *u, real *y) {
     Seat now[BODIES];
     for (int i = 0; i < BODIES; i++)
         now[i] = seat_of(gear, i, u, value_of(x[X_SEATS + i * SEAT_SIZE + SEAT_COORDINATE]));
-    real torque = -gear->base.p[P_STIFFNESS] * (deflection_of(gear, now) - x[X_START]) -
-                  gear->base.p[P_DAMPING] * deflection_rate(gear, now);
-    clear_wrench(y);
+    real torque = torque_of(gear, deflection_of(gear, now) - x[X_START], deflection_rate(gear, now));
+    clear_wrench(gear, y);
     for (int i = 0; i < BODIES; i++) {
         Vector3 force, moment;
         real both[2 * WRENCH_SIZE];
         seat_loads(gear, i, share_of(gear, i) * torque, now[i].swing, &force, &moment);
         store_pair(quaternion_rotate(now[i].frame, force), quaternion_rotate(now[i].frame, moment), now[i].gap, both);
-        add_pair(both, i, y);
+        add_pair(gear, both, i, y);
     }
 }
 
@@ -188,19 +193,14 @@ int NAME(gear_rates)(void *self, const real *raw, const real *x, const real *u, 
 
 DECLARE_COMPLEX(gear)
 
-/* A quaternion of the data. */
-static int read_frame(const Data *data, const char *name, double *frame, Reason *why) {
-    const double *values = data_array(data, name, 4, why);
-    if (!values) return 0;
-    double square = 0.0;
-    for (int i = 0; i < 4; i++) square += (frame[i] = values[i]) * values[i];
-    return fabs(square - 1.0) < 1e-9 ? 1 : refuse(why, "%s must be a unit quaternion", name);
-}
-
 static void *gear_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
-    Gear *gear = create_connection(data, sizes, memory, sizeof *gear, states, why);
-    const int sound = gear && read_frame(data, "first_frame", gear->axis_frames[0], why) &&
-                      read_frame(data, "second_frame", gear->axis_frames[1], why) &&
+    int two;
+    if (!read_choice(data, "second_carrier", 1, &two, why)) return NULL;
+    Gear *gear = create_connection(data, sizes, memory, sizeof *gear, BODIES + 1 + (size_t)two, states, why);
+    if (!gear) return NULL;
+    gear->carriers[1] = two ? BODIES + 1 : 0;
+    const int sound = read_unit(data, "first_frame", 4, gear->axis_frames[0], why) &&
+                      read_unit(data, "second_frame", 4, gear->axis_frames[1], why) &&
                       read_choice(data, "second_slides", 1, gear->slides + 1, why);
     return sound ? gear : NULL;
 }
@@ -216,7 +216,7 @@ static int gear_initial(void *self, const double *u, double *x, Reason *why) {
     (void)why;
     Seat now[BODIES];
     both_seats(gear, NULL, u, now);
-    memset(x, 0, STATES * sizeof *x);
+    memset(x, 0, states_size(&gear->base) * sizeof *x);
     for (int i = 0; i < BODIES; i++) store_seat(now + i, x + X_SEATS + i * SEAT_SIZE);
     x[X_START] = deflection_of(gear, now);
     store_rate(deflection_rate(gear, now), x + X_MEMORY);
@@ -232,7 +232,7 @@ static void gear_observe(void *self, const double *x, const double *u, double *z
     const double felt = gear->base.endpoint ? deflection_rate(gear, now) : mid_step_now(x + X_SLIDE);
     z[Z_FIRST_ANGLE] = now[0].coordinate;
     z[Z_SECOND_COORDINATE] = now[1].coordinate;
-    z[Z_GEAR_TORQUE] = -gear->base.p[P_STIFFNESS] * deflection - gear->base.p[P_DAMPING] * felt;
+    z[Z_GEAR_TORQUE] = torque_of(gear, deflection, felt);
     z[Z_POTENTIAL_ENERGY] = 0.5 * gear->base.p[P_STIFFNESS] * deflection * deflection;
     z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
@@ -240,10 +240,11 @@ static void gear_observe(void *self, const double *x, const double *u, double *z
 
 /* Follows the angles. */
 static void gear_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
+    const Gear *gear = self;
     Seat now[BODIES];
     (void)at_event;
-    both_seats(self, x, u, now);
-    memcpy(x_next, x, STATES * sizeof *x);
+    both_seats(gear, x, u, now);
+    memcpy(x_next, x, states_size(&gear->base) * sizeof *x);
     for (int i = 0; i < BODIES; i++) x_next[X_SEATS + i * SEAT_SIZE + SEAT_COORDINATE] = now[i].coordinate;
 }
 

@@ -8,15 +8,35 @@
 
 #include "relative.h"
 
-/* The first member of every connection: its parameters by place; `paired`: wrenches are of order 4. */
+/* The first member of every connection: its parameters by place; `paired`: wrenches are of order 4. `ports`: their
+   number where it varies. */
 typedef struct Connection {
     int endpoint, paired;
+    size_t ports;
     double p[PARAMETERS];
 } Connection;
 
 static inline int commanded(const real *u, int input) { return value_of(u[input]) > 0.5; }
 
-#ifdef MOMENTS /* not where the number of ports varies */
+#ifndef MOMENTS /* the number of ports varies, and laws are of order 4 */
+
+/* Where the own inputs begin, after which come the first moments. */
+static inline const real *own_inputs(const Connection *connection, const real *u) {
+    return u + MOTION_SIZE * connection->ports;
+}
+
+/* Numbers of the wrenches on all ports, and of the state, which ends with these and their slopes. */
+static inline size_t wrenches_size(const Connection *connection) { return WRENCH_SIZE * connection->ports; }
+static inline size_t states_size(const Connection *connection) { return STATES + 2 * wrenches_size(connection); }
+
+/* Gives the mean wrenches of all ports and their slopes; 0 in end-point mode, which has none. */
+static inline int gives_means(const Connection *connection, const real *x, real *y) {
+    if (connection->endpoint) return 0;
+    for (size_t i = 0; i < 2 * wrenches_size(connection); i++) y[i] = x[X_WRENCH + i];
+    return 1;
+}
+
+#else
 
 /* Own outputs come between the wrenches and their slopes, which only laws of order 4 have. */
 enum { WRENCHES = MOMENTS ? MOMENTS : OUTPUTS };
@@ -35,7 +55,28 @@ static inline int gives_means(const Connection *connection, const real *x, real 
 
 #ifndef FANFOLD_COMPLEX
 
-#ifdef MOMENTS
+#ifndef MOMENTS
+
+/* A connection of `bytes` with so many ports, with what all read from their data; NULL and a sentence where there is
+   none. */
+static inline void *create_connection(const Data *data, const Sizes *sizes, Memory *memory, size_t bytes, size_t ports,
+                                      size_t *states, Reason *why) {
+    Connection *connection = allocate(memory, bytes);
+    if (!connection) {
+        refuse(why, "there is no memory for a component of kind " KIND);
+        return NULL;
+    }
+    if (!read_choice(data, "endpoint", 1, &connection->endpoint, why)) return NULL;
+    connection->ports = ports;
+    *states = states_size(connection);
+    size_t wrenches = wrenches_size(connection), moments = connection->endpoint ? 0 : wrenches;
+    const Sizes own = {
+        PARAMETERS, MOTION_SIZE * ports + OWN_INPUTS + moments, wrenches + OWN_OUTPUTS + moments, OBSERVATIONS,
+    };
+    return check_sizes(KIND, sizes, &own, why) ? connection : NULL;
+}
+
+#else
 
 /* A connection of `bytes`, with what all read from their data; NULL and a sentence where there is none. */
 static inline void *create_connection(const Data *data, const Sizes *sizes, Memory *memory, size_t bytes,

@@ -14,6 +14,7 @@ from ...scene.connection_tables import Connection
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.loops.coupled_lines import (
     CoupledLines,
+    acting_between,
     acts_across,
     observed_names,
     supplies_energy,
@@ -136,14 +137,14 @@ def _named(what: str, names: list[str]) -> str:
     return f"{what}{'s' * (len(names) > 1)} {' and '.join(names)}"
 
 
-def _movers(scene: PlacedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
-    """Name, role and bodies of everything that can turn a line without a motor: drives, then cable loops and gears."""
-    others = {k.name: (k.kind, tuple(seat.body for seat in k.ports.values())) for k in scene.connections}
+def _movers(scene: PlacedScene) -> Iterator[tuple[str, str, tuple[tuple[str, ...], ...]]]:
+    """Name, role and groups of bodies of what turns lines without a motor: drives, then cable loops and gears."""
+    others = {k.name: (k.kind, acting_between(k)) for k in scene.connections}
     for connection in scene.connections:
         if supplies_energy(connection):
             yield connection.name, _DRIVE, others[connection.name][1]
     for loop in scene.loops:
-        yield loop.name, _CABLE, (loop.pulley_1.body, loop.pulley_2.body)
+        yield loop.name, _CABLE, ((loop.pulley_1.body, loop.pulley_2.body),)
     for name, (kind, bodies) in others.items():
         if kind in _COUPLING:
             yield name, kind, bodies

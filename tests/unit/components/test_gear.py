@@ -18,37 +18,37 @@ from tests.references.relative_motion import (
 from tests.unit.components.prepared import prepared
 
 
-@pytest.mark.parametrize("motion", ["rotation", "translation"])
+@pytest.mark.parametrize(("motion", "ports"), [("rotation", 3), ("translation", 3), ("rotation", 4)])
 @pytest.mark.parametrize("order", [2.0, 4.0])
-def test_work_and_momentum_of_a_step(motion, order):
-    """Momentum is exact for any motion of the three ports, work but for the square of a port's turn, 0.03 rad."""
+def test_work_and_momentum_of_a_step(motion, ports, order):
+    """Momentum is exact for any motion of all ports, work but for the square of a port's turn, 0.03 rad."""
     rng = np.random.default_rng(5)
-    component = Gear((0.0, 1.0, 0.0), (0.6, 0.0, 0.8), motion)
+    component = Gear((0.0, 1.0, 0.0), (0.6, 0.0, 0.8), motion, ports == 4)
     c = prepared(component, ratio=-1.7, stiffness=300.0, damping=4.0, order=order)
     states = []
-    tilts = 0.1 * rng.normal(size=(3, 3))
+    tilts = 0.1 * rng.normal(size=(ports, 3))
     for k in range(3):
-        shifts, turns = 0.01 * k * rng.normal(size=(2, 3, 3))
-        ports = [
+        shifts, turns = 0.01 * k * rng.normal(size=(2, ports, 3))
+        motions = [
             port_motion(p + shift, turn)
-            for p, shift, turn in zip(np.eye(3), shifts, tilts + turns, strict=True)
+            for p, shift, turn in zip(np.eye(ports, 3), shifts, tilts + turns, strict=True)
         ]
-        u = inputs(component, *ports)
-        states.append(with_moments(component, u, 0.01 * rng.normal(size=(3, 6))) if order == 4.0 else u)
+        u = inputs(component, *motions)
+        states.append(with_moments(component, u, 0.01 * rng.normal(size=(ports, 6))) if order == 4.0 else u)
     x = component.step(c, component.initial(c, states[0]), states[1], 0.1)
     y = component.step(c, x, states[2], 0.1)
     outputs, names = component.outputs(c, y, states[2]), component.observation_layout
     change = component.observe(c, y, states[2]) - component.observe(c, x, states[1])
     kept = sum(change[names[f"{name}_energy"]][0] for name in ("potential", "dissipated"))
     kept += change[names["numerical_dissipation"]][0]
-    done = work(outputs, states[1], states[2], 3)
+    done = work(outputs, states[1], states[2], ports)
     if order == 4.0:
-        done += slope_work(component, outputs, states[2], 3)
-        assert angular_momentum(component, outputs, states[1], states[2], 3, (0, 0, 0)) == pytest.approx(
-            np.zeros(6), abs=1e-12
-        )
+        done += slope_work(component, outputs, states[2], ports)
+        momentum = angular_momentum(component, outputs, states[1], states[2], ports, (0, 0, 0))
+        assert momentum == pytest.approx(np.zeros(6), abs=1e-12)
     else:
-        assert resultant(outputs, states[1], states[2], 3, (0, 0, 0)) == pytest.approx(np.zeros(6), abs=1e-12)
+        momentum = resultant(outputs, states[1], states[2], ports, (0, 0, 0))
+        assert momentum == pytest.approx(np.zeros(6), abs=1e-12)
     assert abs(done + kept) < 0.03**2 * (abs(done) + abs(kept))
 
 

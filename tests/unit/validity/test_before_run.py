@@ -9,9 +9,10 @@ from scipy.optimize import brentq
 from orchestrator.messages import code_of
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.builder import Scene
+from orchestrator.scene.loops.coupled_lines import loops
 from orchestrator.scene.table import SceneError
 from orchestrator.validity.before_run import scene_warnings
-from orchestrator.validity.cable_loops import loop_travels
+from orchestrator.validity.cable_loops import coupled_travels
 from tests.references.edits import edited
 from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text, problems_of
 
@@ -57,7 +58,7 @@ def test_scenes_that_come_with_fanfold_are_not_doubted(name, variant):
 def test_travels_are_those_of_the_lines_that_a_loop_joins():
     """AMOS-3 sheet: the yoke's loop joins 90 and 180 deg (guided), that of panel 1 joins 180 and 180 deg."""
     scene = amos3()
-    found = {loop.name: loop_travels(scene, loop) for loop in scene.loops}
+    found = {loop.name: coupled_travels(scene, loop)[:2] for loop in loops(scene)}
     assert [abs(turn) for turn in found["yoke_loop"]] == pytest.approx([pi / 2, pi])
     assert [abs(turn) for turn in found["panel_loop"]] == pytest.approx([pi, pi])
 
@@ -131,7 +132,7 @@ def test_a_loop_without_a_body_between_has_no_travels(tmp_path):
     """From the base to the body beside it: nothing is between them."""
     near = CCL.replace('body = "outer", point = "left"', 'body = "inner", point = "tip_left"')
     scene = load_text(tmp_path, TWO_PANELS + near)
-    assert loop_travels(scene, scene.loops[0]) is None
+    assert [coupled_travels(scene, loop) for loop in loops(scene)] == [None]
 
 
 def test_an_inertia_in_square_millimetres_is_told(tmp_path):

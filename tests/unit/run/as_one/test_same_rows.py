@@ -12,6 +12,7 @@ import pytest
 
 import orchestrator as fanfold
 from fmus import native_library
+from tests.references.coupled_wing import coupled_wing
 from tests.unit.cosim.events.test_contact_onset import HEAVY_AND_LIGHT
 from tests.unit.cosim.events.test_unlatching import door
 from tests.unit.cosim.test_at_one_instant import twins
@@ -76,6 +77,7 @@ SCENES = {
     "amos3": (lambda: fanfold.load("amos3"), 12.0, "all", 3),
     "amos3, spring latches": (lambda: fanfold.load("amos3", "spring_latch"), 9.0, "all", 2),
     "amos3, flexible": (lambda: fanfold.load("amos3"), 0.2, (), 0),
+    "coupler, flexible": (lambda: coupled_wing(0.1, stiffness=2e5), 0.1, (), 0),
     "bepicolombo": (lambda: fanfold.load("bepicolombo"), 2.0, "all", 0),
     "antenna-unit": (lambda: fanfold.load("antenna-unit"), 0.1, "all", 0),
     "twins, spring": (lambda: twins("spring"), 2.5, "all", 2),
