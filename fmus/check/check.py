@@ -21,7 +21,6 @@ from components.cache.temporary import process_folder
 
 from ..archive import archive_problems
 from ..description.binaries import binary_member
-from ..description.interfaces import OTHER_INTERFACES
 from ..host.process import FmuProcess, HostError
 from .names import name_problems
 
@@ -31,6 +30,8 @@ _STATE_FLAGS = {
     "3.0": ("canGetAndSetFMUState", "canSerializeFMUState"),
 }
 _TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+_STEPPED = ("CoSimulation", "ModelExchange")
+"""Interface types that Fanfold steps, in this order; the third is scheduled execution."""
 _SCHEMAS = Path(fmpy.__file__).parent / "schema"
 _TRIAL_SECONDS = 120.0
 _STEP = 1e-3
@@ -53,7 +54,7 @@ class Problem(str):
 
 
 def check_fmu(path: str | Path, run: bool = True) -> list[Problem]:
-    """Every problem found in an FMU 2.0 or 3.0 for co-simulation; an empty list means it is fine.
+    """Every problem found in an FMU 2.0 or 3.0; an empty list means it is fine.
 
     run: whether to make two steps, in a process of its own, of an FMU that breaks the standard nowhere.
     """
@@ -99,12 +100,16 @@ def _unfit(root: Element) -> str:
     """Why an FMU has nothing to check here; empty where it has: another version of FMI, another interface type."""
     if root.get("fmiVersion", "") not in ("2.0", "3.0"):
         return "it is not an FMU 2.0 or 3.0"
-    if root.find("CoSimulation") is not None:
+    if _interface(root) is not None:
         return ""
-    kinds = [words for tag, words in OTHER_INTERFACES.items() if root.find(tag) is not None]
-    if not kinds:
+    if root.find("ScheduledExecution") is None:
         return "it has no interface type, neither co-simulation nor another"
-    return Problem(f"co-simulation; this FMU has {' and '.join(kinds)} only", "Fanfold needs")
+    return Problem("co-simulation or model exchange; this FMU has scheduled execution only", "Fanfold needs")
+
+
+def _interface(root: Element) -> Element | None:
+    """The interface type that Fanfold steps, if there is one."""
+    return next((found for tag in _STEPPED if (found := root.find(tag)) is not None), None)
 
 
 def _structured(root: Element, terminals: bytes | None) -> list[str]:
@@ -139,6 +144,12 @@ def _common_problems(root: Element) -> Iterator[str]:
         yield Problem(f"generationDateAndTime is {date!r}; it must look like 2026-11-21T02:00:00Z", "advice")
     if root.get("variableNamingConvention") != "structured":
         yield Problem("variableNamingConvention is not structured", "advice")
+    if root.find("CoSimulation") is None:
+        yield Problem(
+            "co-simulation for a component of a scene; with model exchange only it can be an [[fmu]] with signals",
+            "Fanfold needs",
+        )
+        return
     for flag in _STATE_FLAGS[root.get("fmiVersion", "")]:
         if root.find(f"CoSimulation[@{flag}='true']") is None:
             yield Problem(
@@ -233,7 +244,7 @@ def _terminal_problems(root: Element, text: bytes | None) -> Iterator[str]:
 
 
 def _missing_binary(root: Element, members: set[str]) -> Iterator[str]:
-    identifier = root.find("CoSimulation").get("modelIdentifier")  # type: ignore[union-attr] # checked
+    identifier = _interface(root).get("modelIdentifier")  # type: ignore[union-attr] # checked
     binary = binary_member(root.get("fmiVersion", ""), identifier or "")
     if binary not in members:
         yield Problem(f"there is no binary for this platform, {binary}", "Fanfold needs")
@@ -242,7 +253,8 @@ def _missing_binary(root: Element, members: set[str]) -> Iterator[str]:
 def _trial_problems(path: Path) -> Iterator[str]:
     """What goes wrong in two steps with the default start values, in a process of its own."""
     description = read_model_description(str(path), validate=False)
-    interface, experiment = description.coSimulation, description.defaultExperiment
+    interface = description.coSimulation or description.modelExchange
+    experiment = description.defaultExperiment
     h = float(experiment.stepSize or _STEP) if experiment is not None else _STEP
     restored = ("save_and_restore", [bool(interface.canSerializeFMUstate)])
     with tempfile.TemporaryDirectory(dir=process_folder()) as folder:

@@ -22,10 +22,18 @@ from typing import Any
 
 from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, calloc, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2Terminated, free
+from fmpy.fmi2 import (
+    FMU2Model,
+    FMU2Slave,
+    calloc,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2Terminated,
+    free,
+)
 from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as Allocate
 from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
-from fmpy.fmi3 import FMU3Slave, fmi3Boolean, fmi3Float64
+from fmpy.fmi3 import FMU3Model, FMU3Slave, fmi3Boolean, fmi3Float64
 
 Value = float | int | bool | str
 SAID, ANSWERED, REFUSED = "said", "answered", "refused"
@@ -55,10 +63,24 @@ _LONGEST = 1000
 """Characters of a message, of which nobody reads more."""
 _LOOK = 1000
 """Time (ms) between two looks at who the parent is."""
+_TOLERANCE = 1e-4
+"""Of model exchange in an experiment without one."""
+_ROUND_OFF = 1e-12
+"""Relative difference of times that are one."""
+_ONE_STEP, _ROOT, _FAILED, _SMALLER = 2, 2, -1, 1
+"""Of CVODE: a task, a result, and what its callbacks return: failure, and that a smaller step may succeed."""
 
 
 class _Refusal(Exception):
     """A sentence of this process, not of the FMU."""
+
+
+class _EndError(Exception):
+    """The FMU asks for the end of the simulation."""
+
+
+class _OutsideError(_Refusal):
+    """The equations of the FMU have no value at a state that CVODE tries."""
 
 
 class _Lenient:
@@ -89,6 +111,180 @@ class FMU3Lenient(_Lenient, FMU3Slave):  # type: ignore[misc]
     """Of FMI 3.0."""
 
 
+class FMU2Exchange(_Lenient, FMU2Model):  # type: ignore[misc]
+    """Of FMI 2.0 for model exchange, with the names of FMI 3.0."""
+
+    getContinuousStateDerivatives = FMU2Model.getDerivatives
+    updateDiscreteStates = FMU2Model.newDiscreteStates
+
+    def sizes(self, description: Any) -> tuple[int, int]:  # noqa: ANN401 - of FMPy
+        """Numbers of continuous states and of event indicators."""
+        return description.numberOfContinuousStates, description.numberOfEventIndicators
+
+
+class FMU3Exchange(_Lenient, FMU3Model):  # type: ignore[misc]
+    """Of FMI 3.0 for model exchange."""
+
+    def sizes(self, _: Any) -> tuple[int, int]:  # noqa: ANN401 - of FMPy
+        """Numbers of continuous states and of event indicators, which structural parameters may change."""
+        return self.getNumberOfContinuousStates(), self.getNumberOfEventIndicators()
+
+
+class Integration:
+    """Integrates a model-exchange FMU by CVODE (backward differentiation) from one communication point to the next.
+
+    Inputs are constant over a step; a change of them is an event, as are roots of event indicators, times that the FMU
+    gives, and steps after which it asks for one. Each restarts CVODE. Times are in s.
+
+    fmu, description: after initialization mode, and as FMPy reads it. tolerance: relative error of a step; times the
+    nominal value of a state it is the absolute one.
+    """
+
+    def __init__(self, fmu: Any, description: Any, tolerance: float) -> None:  # noqa: ANN401 - of FMPy
+        try:
+            from fmpy import sundials
+        except OSError:
+            raise _Refusal(
+                "it has model exchange only, and FMPy has no CVODE for this platform; export it for co-simulation"
+            ) from None
+        self._fmu, self._cv, self._tolerance = fmu, sundials, tolerance
+        self._completes = description.modelExchange.needsCompletedIntegratorStep
+        self._time, self._next, self._memory = 0.0, math.inf, 0
+        self._failure: Exception | None = None
+        self._words = ""
+        self._settle()
+        self._states, indicators = fmu.sizes(description)
+        rates = (u.variable for u in description.derivatives)
+        self._rate_names = [f"its {v.name}" for v in rates for _ in range(math.prod(v.shape))]
+        if len(self._rate_names) != self._states:
+            raise _Refusal(
+                f"its binary has {self._states} continuous states, its model description {len(self._rate_names)}"
+            )
+        self._root_names = [f"its event indicator {k + 1}" for k in range(indicators)]
+        self._create()
+        self._restart()
+
+    def _create(self) -> None:
+        """Memory of CVODE, which ends with this process. It has a state, at rest, where the FMU has none."""
+        cv, context, size = self._cv, self._cv.SUNContext(), max(1, self._states)
+        cv.SUNContext_Create(cv.SUN_COMM_NULL, byref(context))
+        cv.sundials_core.SUNContext_ClearErrHandlers(context)  # which print
+        self._callbacks = (
+            cv.CVRhsFn(self._rates),
+            cv.CVRootFn(self._roots),
+            cv.SUNErrHandlerFn(self._note),
+        )
+        cv.SUNContext_PushErrHandler(context, self._callbacks[2], None)
+        self._x, self._error = (cv.N_VNew_Serial(size, context) for _ in range(2))
+        self._values, self._errors = cv.NV_DATA_S(self._x), cv.NV_DATA_S(self._error)
+        self._values[0] = self._errors[0] = 1.0
+        self._memory = cv.CVodeCreate(cv.CV_BDF, context)
+        matrix = cv.SUNDenseMatrix(size, size, context)
+        cv.CVodeInit(self._memory, self._callbacks[0], self._time, self._x)
+        cv.CVodeRootInit(self._memory, len(self._root_names), self._callbacks[1])
+        cv.CVodeSetNoInactiveRootWarn(self._memory)
+        cv.CVodeSetLinearSolver(self._memory, cv.SUNLinSol_Dense(self._x, matrix, context), matrix)
+        for name, number in (("CVodeSetStopTime", c_double), ("CVodeSetMaxHnilWarns", c_int)):
+            getattr(cv.sundials_cvode, name).argtypes = c_void_p, number
+        cv.sundials_cvode.CVodeSetMaxHnilWarns(self._memory, -1)  # which are printed
+
+    def event(self, change: Callable[[], None] = lambda: None) -> None:
+        """Change inputs, and all that is discrete, at the present time."""
+        self._fmu.enterEventMode()
+        change()
+        self._settle()
+        self._restart()
+
+    def _settle(self) -> None:
+        """From event mode to continuous-time mode."""
+        again = True
+        while again:
+            again, ends, _, _, has_next, time = self._fmu.updateDiscreteStates()
+            if ends:
+                raise _EndError
+        self._next = time if has_next else math.inf
+        self._fmu.enterContinuousTimeMode()
+
+    def _restart(self) -> None:
+        """From the present states of the FMU, which an event may have set."""
+        if self._states:
+            self._fmu.getContinuousStates(self._values, self._states)
+            self._fmu.getNominalsOfContinuousStates(self._errors, self._states)
+        for k in range(self._states):
+            nominal = self._errors[k]
+            if not (nominal > 0.0 and math.isfinite(nominal)):
+                raise _Refusal(
+                    f"the nominal value of its continuous state {k + 1} is {nominal:g}, not above zero"
+                )
+            self._errors[k] = nominal * self._tolerance
+        self._cv.CVodeSVtolerances(self._memory, self._tolerance, self._error)
+        self._cv.CVodeReInit(self._memory, self._time, self._x)
+
+    def reach(self, end: float) -> None:
+        """Integrate up to a time, with all events until then."""
+        while True:
+            if self._is_at(self._next):
+                self._time = max(self._time, self._next)
+                self._fmu.setTime(self._time)
+                self.event()
+            elif self._is_at(end):
+                return
+            elif self._advance(min(self._next, end)):
+                self.event()
+
+    def _is_at(self, time: float) -> bool:
+        return self._time >= time or math.isclose(self._time, time, rel_tol=_ROUND_OFF)
+
+    def _advance(self, goal: float) -> bool:
+        """Make one step of CVODE towards a time, or to it; whether an event follows."""
+        reached, self._failure = c_double(), None
+        self._cv.sundials_cvode.CVodeSetStopTime(self._memory, goal)
+        result = self._cv.CVode(self._memory, goal, self._x, byref(reached), _ONE_STEP)
+        if result < 0:
+            raise self._failure or _Refusal(
+                f"CVODE cannot integrate it at t = {self._time:.6g} s: {self._words}"
+            )
+        self._time = reached.value
+        self._put(self._time, self._values)
+        asks, ends = self._fmu.completedIntegratorStep() if self._completes else (False, False)
+        if ends:
+            raise _EndError
+        return bool(asks) or result == _ROOT
+
+    def _put(self, time: float, values: Any) -> None:  # noqa: ANN401 - of ctypes
+        self._fmu.setTime(time)
+        if self._states:
+            self._fmu.setContinuousStates(values, self._states)
+
+    def _rates(self, time: float, x: Any, rates: Any, _: Any) -> int:  # noqa: ANN401 - of ctypes
+        """Derivatives of the states, for CVODE."""
+        into = self._cv.NV_DATA_S(rates)
+        into[0] = 0.0
+        return self._evaluate("getContinuousStateDerivatives", self._rate_names, time, x, into)
+
+    def _roots(self, time: float, x: Any, into: Any, _: Any) -> int:  # noqa: ANN401 - of ctypes
+        """Event indicators, for CVODE."""
+        return self._evaluate("getEventIndicators", self._root_names, time, x, into)
+
+    def _evaluate(self, function: str, names: Sequence[str], time: float, x: Any, into: Any) -> int:  # noqa: ANN401
+        """Let a function of the FMU write numbers; the result that CVODE needs, as exceptions would be lost in it."""
+        try:
+            self._put(time, self._cv.NV_DATA_S(x))
+            if names:
+                getattr(self._fmu, function)(into, len(names))
+            for name, value in zip(names, into, strict=False):
+                if not math.isfinite(value):
+                    raise _OutsideError(f"{name} is {value:g} at t = {time:.6g} s")
+        except Exception as error:
+            self._failure = error
+            outside = isinstance(error, _OutsideError) or getattr(error, "status", None) == DISCARD
+            return _SMALLER if outside else _FAILED
+        return 0
+
+    def _note(self, *arguments: Any) -> None:  # noqa: ANN401 - of ctypes
+        self._words = arguments[3].decode("utf-8", "replace")
+
+
 def shape_of(variable: Any, given: Mapping[str, Value]) -> tuple[int, ...]:  # noqa: ANN401 - of FMPy
     """Elements of an array by dimension, which may be the value of a structural parameter; () for a scalar."""
     return tuple(
@@ -98,12 +294,17 @@ def shape_of(variable: Any, given: Mapping[str, Value]) -> tuple[int, ...]:  # n
 
 
 class Instance:
-    """One instance of an FMU 2.0 or 3.0 for co-simulation; its methods raise where the FMU refuses."""
+    """One instance of an FMU 2.0 or 3.0; its methods raise where the FMU refuses.
+
+    One without co-simulation is integrated here, which nothing outside notices.
+    """
 
     def __init__(self, send: Callable[..., None]) -> None:
         self._send = send
         self._fmu: Any = None
         self._initialized = False
+        self._integration: Integration | None = None
+        self._inputs: Mapping[str, Value] = {}
         self._raw: dict[str, Any] = {}
         self.begin()
 
@@ -117,10 +318,16 @@ class Instance:
         self._kinds = _KINDS[description.fmiVersion[0]]
         self._fmi2 = description.fmiVersion.startswith("2.")
         self._variables = {v.name: v for v in description.modelVariables}
-        kind = FMU2Lenient if self._fmi2 else FMU3Lenient
-        self._fmu = fmu = kind(
+        if description.coSimulation is None and any(
+            v.type == "Clock" and v.causality == "input" for v in description.modelVariables
+        ):
+            raise _Refusal(
+                "it has model exchange only, with clocks that nobody ticks; export it for co-simulation"
+            )
+        steps, exchange = (FMU2Lenient, FMU2Exchange) if self._fmi2 else (FMU3Lenient, FMU3Exchange)
+        self._fmu = fmu = (steps if description.coSimulation else exchange)(
             guid=description.guid,
-            modelIdentifier=description.coSimulation.modelIdentifier,
+            modelIdentifier=(description.coSimulation or description.modelExchange).modelIdentifier,
             unzipDirectory=folder,
             instanceName=name,
         )
@@ -157,6 +364,8 @@ class Instance:
 
     def why(self, error: Exception) -> str:
         """Why a request failed: what this process says of it, else what the FMU said that is no good news."""
+        if isinstance(error, _EndError):
+            return self._ends()
         said = "" if isinstance(error, _Refusal) else self._last
         return said or f"{error}" or type(error).__name__
 
@@ -167,7 +376,7 @@ class Instance:
         tolerance: float | None,
         until: float | None = None,
     ) -> None:
-        """From the new instance to step mode at t = 0.
+        """From the new instance to its first communication point, t = 0.
 
         tolerance, until: relative accuracy and end of the experiment.
         """
@@ -179,7 +388,9 @@ class Instance:
         self._fmu.enterInitializationMode(**({} if self._fmi2 else experiment))
         self._set(inputs)
         self._fmu.exitInitializationMode()
-        self._initialized = True
+        self._initialized, self._inputs = True, inputs
+        if self._description.coSimulation is None:
+            self._integration = Integration(self._fmu, self._description, tolerance or _TOLERANCE)
 
     def _is_structural(self, name: str) -> bool:
         return bool(self._place(name)[0].causality == "structuralParameter")
@@ -199,13 +410,20 @@ class Instance:
         self, time: float, h: float, inputs: Mapping[str, Value], outputs: Sequence[str]
     ) -> list[float]:
         """Step from a time (s) over h with the inputs of the end, and give the outputs."""
-        self._set(inputs)
+        if self._integration is None:
+            self._set(inputs)
+        elif inputs != self._inputs:
+            self._integration.event(lambda: self._set(inputs))
+        self._inputs = inputs
         if ended := self.step(time, h):
             raise _Refusal(ended)
         return self.get(outputs)
 
     def step(self, time: float, h: float) -> str:
         """Step from a time (s) over h; why the FMU ended before, empty where it did not."""
+        if self._integration is not None:
+            self._integration.reach(time + h)
+            return ""
         if self._fmi2:
             if self._do_step2(time, h) == WARNING and not self._last:
                 self._send(SAID, (WARNING, "a warning without a word"))

@@ -18,7 +18,6 @@ from components import LAGGED, ComponentError, FanfoldError
 from components.contract.errors import unknown
 from fmus.archive import archive_problems
 from fmus.description.binaries import binary_member, folder_here
-from fmus.description.interfaces import OTHER_INTERFACES
 from fmus.description.units import base_unit, has_root
 
 from ..scene.placed_scene import PlacedScene
@@ -396,13 +395,10 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
         raise _NoFmuError(f"cannot be read as an FMU: {error}") from None
     if not found.fmiVersion.startswith(("2.", "3.")):
         raise _NoFmuError(f"is of FMI {found.fmiVersion}; 2.0 and 3.0 can take part")
-    if found.coSimulation is None:
-        kinds = [
-            words for tag, words in OTHER_INTERFACES.items() if getattr(found, tag[0].lower() + tag[1:], None)
-        ]
-        has = " and ".join(kinds) or "no interface type"
-        raise _NoFmuError(f"has {has} only, and Fanfold has no solver for it; export it for co-simulation")
-    identifier = found.coSimulation.modelIdentifier
+    interface = found.coSimulation or found.modelExchange
+    if interface is None:
+        raise _NoFmuError("has neither co-simulation nor model exchange; export it for one of them")
+    identifier = interface.modelIdentifier
     if re.search(r"[/\\]", identifier):
         raise _NoFmuError(
             f"has the model identifier {identifier!r}; it names functions of C, and has no slashes"

@@ -21,7 +21,7 @@ def _is_there(path: str) -> str:
 
 
 class Fmu(Table):
-    """[[fmu]]: a co-simulation FMU, of FMI 2.0 or 3.0, that reads signals of components and sets parameters of them."""
+    """[[fmu]]: an FMU 2.0 or 3.0 that reads signals of components and sets parameters of them."""
 
     removed = MappingProxyType(
         {

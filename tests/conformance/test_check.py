@@ -111,16 +111,12 @@ def test_what_fanfold_needs_is_told_apart(good, tmp_path):
     assert "Fanfold needs" in {problem.kind for problem in check_fmu(path)}
 
 
-@pytest.mark.parametrize(
-    ("element", "words"),
-    [("ScheduledExecution", "scheduled execution"), ("ModelExchange", "model exchange")],
-)
-def test_another_interface_breaks_no_standard(good, tmp_path, element, words):
-    """FMI 3.0, 2.4: an FMU has at least one interface type, any. Regression: these were breaches of the standard."""
-    path = spoiled(good, tmp_path, DESCRIPTION, b"CoSimulation", element.encode())
+def test_another_interface_breaks_no_standard(good, tmp_path):
+    """FMI 3.0, 2.4: an FMU has at least one interface type, any. Regression: this was a breach of the standard."""
+    path = spoiled(good, tmp_path, DESCRIPTION, b"CoSimulation", b"ScheduledExecution")
     (problem,) = check_fmu(path)
     assert problem.kind == "Fanfold needs"
-    assert words in problem
+    assert "scheduled execution" in problem
     (problem,) = check_fmu(spoiled(good, tmp_path, DESCRIPTION, b"<CoSimulation", b"<None"))
     assert problem.kind == "breaks the standard"
 

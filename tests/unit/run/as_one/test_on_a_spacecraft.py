@@ -126,13 +126,13 @@ def test_that_loads_are_held_is_a_warning(wing):
         fanfold.simulate(mounted(wing, "5 ms"), until=0.02, estimate=False)
 
 
-def test_an_fmu_for_model_exchange_only_is_refused(wing, tmp_path):
-    """A guest needs steps of its own; the sentence says what the FMU has."""
-    with zipfile.ZipFile(wing) as archive, zipfile.ZipFile(tmp_path / "me.fmu", "w") as other:
+def test_an_fmu_that_makes_no_steps_is_refused(wing, tmp_path):
+    """An FMU for scheduled execution is neither stepped nor integrated."""
+    with zipfile.ZipFile(wing) as archive, zipfile.ZipFile(tmp_path / "other.fmu", "w") as other:
         for name in archive.namelist():
-            other.writestr(name, archive.read(name).replace(b"<CoSimulation", b"<ModelExchange"))
-    with pytest.raises(fanfold.FanfoldError, match="has model exchange only"):
-        fanfold.simulate(mounted(tmp_path / "me.fmu", "5 ms"), estimate=False)
+            other.writestr(name, archive.read(name).replace(b"<CoSimulation", b"<ScheduledExecution"))
+    with pytest.raises(fanfold.FanfoldError, match="neither co-simulation nor model exchange"):
+        fanfold.simulate(mounted(tmp_path / "other.fmu", "5 ms"), estimate=False)
 
 
 def test_a_wing_is_told_the_tolerance_of_its_scene(wing):
