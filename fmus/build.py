@@ -54,6 +54,7 @@ def build_fmu(
     compressed: bool = True,
     platforms: Sequence[str] = (),
     about: About | None = None,
+    further: Mapping[str, bytes] | None = None,
 ) -> Path:
     """Write `name`.fmu into `directory` (made if missing) and return its path.
 
@@ -62,7 +63,7 @@ def build_fmu(
     possible. `experiment` is what a tool runs by default. `with_sources` adds the C sources, for platforms that this
     one does not build for; no compiler is needed then. `platforms`, names of `native.platforms`: libraries of these
     and of no other, in place of the one of here. Not `compressed`: for files that are soon gone. `about`: what people
-    read of it, which adds a page of documentation and an icon.
+    read of it, which adds a page of documentation and an icon. `further`: further files, by their path in it.
     """
     starts = start_values(component, start or {})
     only_native = fmi == "3.0" or with_sources or bool(platforms)
@@ -94,6 +95,7 @@ def build_fmu(
     key = digest_of(code)
     if about is not None:
         data |= documentation(component, name, starts, about, fmi, experiment)
+    data |= further or {}
     files = _dated(key, {**data, "modelDescription.xml": _kept_description(asked, described)})
     target = Path(directory) / f"{name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)

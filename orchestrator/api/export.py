@@ -47,6 +47,7 @@ def export(
     platforms: Names = (),
     as_one: bool = False,
     driven_base: bool = False,
+    reference: bool = False,
     watch: Callable[[str], object] = lambda name: None,
 ) -> list[Path]:
     """Export the components of a scene as FMUs, or the whole scene as one FMU.
@@ -81,6 +82,9 @@ def export(
         one FMU of the whole scene, events included, which controls its step size by the scene's tolerance
     driven_base : bool
         with `as_one`: the fixed base moves by inputs, its pose, rates and accelerations, interpolated smoothly
+    reference : bool
+        with `as_one`: add the result of the default experiment (fmi-ls-ref), which importers compare with their own;
+        it takes a run
     watch : callable, optional
         called with the name of each platform before its library is compiled, which takes up to half a minute
 
@@ -99,7 +103,7 @@ def export(
     >>> fanfold.export("amos3", "fmus", rigid="all", ssp="amos3.ssp")
     >>> fanfold.export("amos3", "fmus", rigid="all", as_one=True)
     """
-    _check_form(fmi, as_one, driven_base, plain=wrench_mode is None and backend != "python")
+    _check_form(fmi, as_one, driven_base or reference, plain=wrench_mode is None and backend != "python")
     wrench_mode = wrench_mode or "endpoint"
     checked = as_scene(scene).check_one_run()
     if ssp is not None:
@@ -124,7 +128,7 @@ def export(
         found = check_scene(checked, listed(rigid), listed(flexible), listed(large_deformation))
         about = about._replace(description=header.description, picture=picture_of(found))
         where, form = Path(folder), (driven_base, fmi, sources, wanted)
-        paths = [export_as_one(assembly, where, experiment, *form, watch, about)]
+        paths = [export_as_one(assembly, where, experiment, *form, watch, about, reference)]
     else:
         assembly = started_at_rest(assembly)
         step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
@@ -156,8 +160,11 @@ def _as_ssp(ssp: Path, assembly: Assembly, paths: Sequence[Path], experiment: Ex
     return write_ssp(ssp, assembly, paths, experiment)
 
 
-def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool) -> None:
-    """SceneError for contradictory options; plain: no option that one FMU of the whole scene lacks."""
+def _check_form(fmi: FmiVersion, as_one: bool, asks_for_one: bool, *, plain: bool) -> None:
+    """SceneError for contradictory options.
+
+    plain: no option that one FMU of the whole scene lacks. asks_for_one: an option that only this FMU has.
+    """
     if fmi not in get_args(FmiVersion):
         raise SceneError(
             [f"there is no version {fmi!r} of FMI here; versions are {', '.join(get_args(FmiVersion))}"]
@@ -169,9 +176,12 @@ def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool
                 "end and the kind of wrenches (backend, wrench_mode)"
             ]
         )
-    if driven_base and not as_one:
+    if asks_for_one and not as_one:
         raise SceneError(
-            ["a driven base is part of a scene as one FMU; ask for that as well (--as-one, as_one)"]
+            [
+                "a driven base and a reference result are parts of a scene as one FMU; ask for that as well "
+                "(--as-one, as_one)"
+            ]
         )
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from components import FanfoldError
 from components.contract.component import Vector
-from fmus.compiled import component_data, run_to_end
+from fmus.compiled import component_data, run_through
 from fmus.native.binary_data import arrays_in
 
 from ...results.energy_ledger import tolerance_asked, tolerance_taken
@@ -104,7 +104,7 @@ class LiveModel:
         """Outputs by name at the end of a run with such data."""
         _, _, layout, _ = self.scene.layouts
         first = self.first_output
-        values = run_to_end(data, self.end, range(first, first + layout.size))
+        values = run_through(data, (self.end,), range(first, first + layout.size))[0]
         return dict(zip(layout.scalar_names(), values.tolist(), strict=True))
 
     @property

@@ -55,6 +55,8 @@ _TOLD = (
     ),
 )
 """Outputs that come first, in the order of native/coupling/assembly.c."""
+ERRORS = ("numerical_dissipation", "energy_residual", "steps", "rejected_steps")
+"""Outputs that say how a run was made, not what the scene does."""
 _DRIVES = (
     ("velocity", "m/s", "velocity of the frame"),
     ("angular_velocity", "rad/s", "angular velocity of the frame"),

@@ -17,6 +17,7 @@ from ...cosim.settings import Settings
 from ...scene.table import SceneError
 from ..errors import RunError
 from .component import AssembledScene
+from .reference import reference
 from .tables import DRIVEN
 
 
@@ -30,11 +31,12 @@ def export_as_one(
     platforms: Sequence[str] = (),
     watch: Callable[[str], object] = lambda name: None,
     about: About | None = None,
+    with_reference: bool = False,
 ) -> Path:
     """Write a scene with mean wrenches as one native FMU into a folder; return its path.
 
-    It has the scene's name, as an identifier. driven_base: the fixed base of the scene moves by inputs. RunError where
-    that cannot be.
+    It has the scene's name, as an identifier. driven_base: the fixed base of the scene moves by inputs. with_reference:
+    add a reference result, which takes a run of the experiment. RunError where that cannot be.
     """
     if driven_base:
         assembly = _with_driven_base(assembly)
@@ -56,6 +58,7 @@ def export_as_one(
             experiment,
             platforms=platforms,
             about=about,
+            further=reference(scene, name, experiment) if with_reference else None,
         )
     except SceneError as error:
         raise RunError(str(error)) from None
