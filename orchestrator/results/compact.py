@@ -12,8 +12,8 @@ from typing import Any
 
 import h5py
 
-SMALLEST = 1_000_000
-"""Bytes; smaller results are left as they are."""
+SMALLEST = 100_000_000
+"""Bytes; smaller results are left as they are, as writing them anew takes a fifth of a short run."""
 _ROWS = 8192
 _BLOCK = 16 * _ROWS
 """Rows that are in memory at a time."""

@@ -212,8 +212,9 @@ def test_failure_of_a_flush_by_time_is_told(tmp_path):
     assert "or replaced" in message(run)
 
 
-def test_large_results_are_compressed_without_loss(tmp_path):
+def test_large_results_are_compressed_without_loss(tmp_path, monkeypatch):
     """Independent path: signals, attributes and order as they were written; smooth ones take half the space."""
+    monkeypatch.setattr("orchestrator.results.compact.SMALLEST", 1)
     path, rows = tmp_path / "run.h5", 30_000
     when = np.linspace(0.0, 30.0, rows)
     waves = np.column_stack([np.exp(-k * when) * np.sin((k + 1.0) * when) for k in range(4)] + [when])
