@@ -26,7 +26,7 @@ CODES = {
     "W-energy-balance": "the energy balance is further off than the tolerance explains",
     "W-error": "the estimated error of a number exceeds one per cent and ten tolerances",
     "W-error-unknown": "no error could be estimated",
-    "W-event": "an event did not happen, or had no effect",
+    "W-event": "an event does not happen, or has no effect",
     "W-export": "exported FMUs lack something that the scene has",
     "W-export-step": "tools that do not iterate have no stable communication step for these FMUs",
     "W-figure": "a figure of a plugin failed and is left out",

@@ -14,6 +14,8 @@ ROUGH = 1e-2
 """Roughness of a motion from which on means tell its load better than its end."""
 LEAST_CHANGE = 1e-5
 """Change of a coordinate (m, rad) below which a discrete gradient is the force at the middle."""
+LEAST_SPAN = 1e-9
+"""Distance (m) of two points below which the direction of their line is rounding."""
 INSTANT = 1e-7
 """Longest step (s) in which nothing moves: that of an impulse, and where loads are those just after an event."""
 INSTANT_SHARE = 1e-3

@@ -14,6 +14,7 @@ from .fourth_order_correction import memories_after
 from .interval_mean import MidStep
 from .laws import Law
 from .relative_motion import Line
+from .scheme import LEAST_SPAN
 from .stiff_coordinate import MeanLoad, Memory, StepMotion
 
 P = TypeVar("P", bound=tuple[Any, ...])
@@ -80,7 +81,7 @@ class SpanConnection(Connection[P, SpanState, Impulse], Generic[P, L]):
 
     def start(self, c: SpanConstants[L], u: Inputs[Impulse]) -> SpanState:
         """At the place of the inputs."""
-        if norm(_span(u)) == 0.0:
+        if norm(_span(u)) < LEAST_SPAN:
             raise ComponentError(f"the ports of the {self.noun} are at one point; its force has no direction")
         now = self._instant(u)
         return SpanState(now.span, 0.0, MidStep.starting(now.rate), Memory(now.rate, now.rate))

@@ -61,7 +61,7 @@ def assemble(
     if not links:
         raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
     linked = {link.connection[0] for link in links}
-    connections = _connection_parts(scene, is_flexible, wrench_mode)
+    connections = connection_parts(scene, is_flexible, wrench_mode)
     # those of [[connection]] are within their ranges, as the scene is sound
     own = {one.name for one in scene.connections}
     _refuse_out_of_range(scene, [part for part in connections if part.name not in own])
@@ -122,8 +122,8 @@ def _placed_parts(
     return parts, links, geometry
 
 
-def _connection_parts(scene: PlacedScene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
-    """Every connection of the scene, those of held lines included."""
+def connection_parts(scene: PlacedScene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
+    """Every connection of the scene, those of held lines included; is_flexible: by the name of every body."""
     parts: list[Part] = []
     for line in scene.hinge_lines:
         latch = line_latch(scene, line, is_flexible, mode)

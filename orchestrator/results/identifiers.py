@@ -55,6 +55,18 @@ OF_A_LATCH_UP = (
     "latch_time", "latch_rate", "latch_energy", "latch_impulse", "latch_torque_peak", "lock_torque_peak",
 )  # fmt: skip
 """Quantities of a line that has latched."""
+BY_OWNER = {
+    "run": (
+        "end_time", "motor_energy", "supplied_energy", "energy_exchanged", "numerical_loss", "energy_residual"
+    ),
+    "latch": (*OF_A_LATCH_UP, "unlatched_angle", "unlatch_time", "last_latch_time", "restowed_angle"),
+    "line without latch": ("largest_angle", "end_angle"),
+    "free base": ("attitude_peak", "end_attitude", "attitude_rate_peak"),
+    "base": ("interface_force_peak", "interface_torque_peak"),
+    "port": ("port_force_peak", "port_torque_peak"),
+    "hinge": ("hinge_force_peak", "hinge_torque_peak"),
+}  # fmt: skip
+"""Quantities by what has them; further ones are extremes of the loads of components."""
 _ENDINGS = ("_peak", "_min", "_max")
 """Extremes of a load, after its variable."""
 _STRAND, _TENSION = "strand", "tension"

@@ -6,13 +6,19 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from components.contract.errors import unknown
+import numpy as np
 
+from components.contract.errors import unknown
+from components.contract.roles import LOAD
+from components.numerics.port_loads import PortLoads
+
+from ..assembly import Part
+from ..assembly.assemble import connection_parts
 from ..scene.placed_scene import PlacedScene
 from ..scene.requirement_tables import Limit, limit
 from ..scene.table import SceneError
 from ..scene.units import QUANTITY, UNITS, in_unit
-from .identifiers import OF_A_LATCH_UP, in_order, unit_of
+from .identifiers import BY_OWNER, OF_A_LATCH_UP, in_order, unit_of
 from .number import Number
 from .parts import json_of
 from .result import ResultError
@@ -141,17 +147,58 @@ def refuse_unknown(scene: PlacedScene) -> None:
 
 
 def _problems(scene: PlacedScene) -> Iterator[str]:
-    lines = [line.name for line in scene.hinge_lines]
-    others = [port.connection for port in scene.attachments]
+    known = _possible(scene) if scene.limits else {}
     for text in scene.limits:
         if problem := _problem(text):
             yield problem
             continue
         name, _, of = in_order(limit(text).number).partition(".")
-        known = lines if name in OF_A_LATCH_UP else [*lines, *others, *_AXES]
-        if of and of not in known:
-            kind = "hinge line" if name in OF_A_LATCH_UP else "component"
-            yield f"{text!r}: {of} {unknown(of, list(dict.fromkeys(known)), kind)}"
+        if not (names := known.get(name)):
+            others = ", ".join(one for one, owners in known.items() if owners)
+            yield f"{text!r}: no run of this scene has the number {name}; its numbers are {others}"
+        elif of not in ("", *names):
+            kind = (
+                "hinge line" if name in (*BY_OWNER["latch"], *BY_OWNER["line without latch"]) else "component"
+            )
+            yield f"{text!r}: {of} {unknown(of, list(filter(None, names)), kind)}"
+
+
+def _possible(scene: PlacedScene) -> dict[str, tuple[str, ...]]:
+    """Names of components, lines, ports and axes that runs of a scene may have a number of, by quantity.
+
+    A number of the whole has the name "". Whether a line latches, how and when, is known after a run only.
+    """
+    parts = connection_parts(scene, {body.name: False for body in scene.bodies}, "mean")
+    owners = {
+        "run": ("",),
+        "latch": tuple(line.name for line in scene.hinge_lines if line.latch is not None),
+        "line without latch": tuple(line.name for line in scene.hinge_lines if line.latch is None),
+        "free base": _AXES if scene.base.free is not None else (),
+        "base": ("", *_AXES),
+        "port": tuple(part.name for part in parts),
+        "hinge": tuple(hinge.name for line in scene.hinge_lines for hinge in line.hinges),
+    }
+    found = {quantity: owners[kind] for kind, quantities in BY_OWNER.items() for quantity in quantities}
+    for quantity, component in _loads(scene, parts):
+        found[quantity] = (*found.get(quantity, ()), component)
+    return found
+
+
+def _loads(scene: PlacedScene, parts: Iterable[Part]) -> Iterator[tuple[str, str]]:
+    """Quantities of the loads of connections, and of bodies that follow laws, and the components."""
+    signals = [
+        (part.name, quantity)
+        for part in parts
+        for quantity in part.component().observation_layout.quantities
+        if quantity.role == LOAD
+    ]
+    reactions = PortLoads((), np.zeros((0, 3)), is_base=False).observations[:2]
+    signals += [(name, one) for name in scene.motions if name != scene.base.name for one in reactions]
+    for name, quantity in signals:
+        ends = ("peak",) if quantity.unit == "N.m" else ("min", "max")
+        for axis in ("",) if quantity.size == 1 else _AXES:
+            for end in ends:
+                yield "_".join(filter(None, (quantity.name, axis, end))), name
 
 
 def _problem(text: object) -> str | None:

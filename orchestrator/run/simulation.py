@@ -231,7 +231,8 @@ def _missing_parts(options: Options) -> Iterator[str]:
 
 def _before(scene: PlacedScene, options: Options, assembly: Assembly) -> Iterator[str]:
     """Warnings about a scene before it is run."""
-    yield from warnings_before_run(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
+    bending = {*assembly.flexible, *assembly.large_deformation}
+    yield from warnings_before_run(scene, assembly, bending, options.until)
     yield from coded(
         "W-held-body", _held_sentences(assembly, {*options.flexible, *options.large_deformation})
     )
@@ -247,7 +248,7 @@ def _after(scene: PlacedScene, options: Options, assembly: Assembly, outcome: Ou
     yield from travel_warnings(outcome.result, outcome.headline)
     yield from coded("W-preload", lost_preloads(assembly, outcome.result))
     yield from coded("W-preload", moved_starts(assembly, outcome.result))
-    yield from coded("W-event", event_warnings(assembly, outcome.result))
+    yield from coded("W-event", event_warnings(assembly, outcome.result, options.until or assembly.until))
     yield from coded("W-joint-opened", opened_joint_warnings(scene, assembly, outcome.result))
     yield from linear_range_warnings(scene, assembly, outcome.result)
     yield from coded("W-compression", axial_load_warnings(scene, assembly, outcome.result))

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import acos, degrees
 
-from components import Instance
+from components import REGISTRY, ComponentError, Instance
 from components.contact import Contact
 from components.contract.errors import unknown
 from components.contract.frames import Vector3, add, cross, dot, norm, rotate, subtract
 
 from .bodies import Attachment
 from .body_tables import Body
-from .component_connections import first_number
+from .component_connections import first_number, seated
 from .connection_tables import Damper
 from .event_tables import Event
 from .hinge_line_tables import HingeLine
+from .joint_presets import DISTANCE
 from .placed_scene import PlacedScene
 
 _PARALLEL = 0.5
@@ -218,6 +219,21 @@ def buried_contacts(scene: PlacedScene) -> Iterator[str]:
                 f"plane touches the outboard port where gap is {touch:.6g} m, and is clear of it "
                 "below that; check the signs of gap and normal"
             )
+
+
+def unstartable(scene: PlacedScene) -> Iterator[str]:
+    """Connections that refuse the place of their ports at the start, such as springs between coincident points.
+
+    A distance joint moves placed bodies along the line of its points, so it has a direction where these are written.
+    """
+    for connection in scene.connections:
+        if REGISTRY[connection.kind].comes_from_outside():
+            continue  # `plugin_problems` makes a step with it
+        poses = scene.written_poses if connection.preset == DISTANCE else scene.poses
+        try:
+            seated(connection, scene.points, poses).initialize()
+        except ComponentError as error:
+            yield f"connection.{connection.name}: at the start {error}; check the points and offsets of its ports"
 
 
 def _start_depth(contact: Instance) -> tuple[float, float]:

@@ -47,6 +47,8 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "N.m2": {"N.m2": 1.0},
     "N": {"N": 1.0, "kN": 1e3},
     "N.m": {"N.m": 1.0, "N.mm": 1e-3, "kN.m": 1e3},
+    "J": {"J": 1.0, "mJ": 1e-3, "kJ": 1e3},
+    "N.m.s": {"N.m.s": 1.0, "N.mm.s": 1e-3},
     "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3},
     "N.s/m": {"N.s/m": 1.0, "N.s/mm": 1e3},
     "N.m/rad": {f"N.m/{unit}": 1.0 / factor for unit, factor in _TURNING.items()},

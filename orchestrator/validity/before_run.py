@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from functools import partial
 
 from ..assembly import Assembly
 from ..assembly.hinges import unfollowed_curves
@@ -21,13 +22,14 @@ _MOST_STEPS = 1e6
 """Of a run, that take minutes at the least."""
 
 
-def scene_warnings(scene: PlacedScene) -> list[str]:
-    """All warnings about a scene, with their keys."""
+def scene_warnings(scene: PlacedScene, until: float | None = None) -> list[str]:
+    """All warnings about a scene, with their keys, for a run to `until` (s), by default to the end of the scene."""
+    end = until or scene.header.until
     kinds = (
-        _steps,
+        partial(_steps, until=end),
         range_warnings,
         line_warnings,
-        idle_part_warnings,
+        partial(idle_part_warnings, until=end),
         loop_warnings,
         start_warnings,
         body_warnings,
@@ -35,17 +37,18 @@ def scene_warnings(scene: PlacedScene) -> list[str]:
     return [sentence for warnings in kinds for sentence in warnings(scene)]
 
 
-def warnings_before_run(scene: PlacedScene, assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
-    """All warnings about a scene, and about its assembly with these bodies flexible."""
-    yield from scene_warnings(scene)
+def warnings_before_run(
+    scene: PlacedScene, assembly: Assembly, bending: Collection[str], until: float | None = None
+) -> Iterator[str]:
+    """All warnings about a scene, see `scene_warnings`, and about its assembly with these bodies flexible."""
+    yield from scene_warnings(scene, until)
     yield from signal_fmu_warnings(assembly, scene)
     yield from coded("W-latch-curve", unfollowed_curves(scene, bending))
     yield from coded("W-rigid-twin", unlike_rigid_models(scene, bending))
 
 
-def _steps(scene: PlacedScene) -> Iterator[str]:
+def _steps(scene: PlacedScene, until: float) -> Iterator[str]:
     """Largest steps and steps of FMUs that are a very small part of the run, or longer than it."""
-    until = scene.header.until
     shortest = until / _MOST_STEPS
     reason = "a millionth of the run"
     advice = "Increase it; the tolerance keeps steps short where motion is fast."

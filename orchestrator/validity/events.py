@@ -16,14 +16,17 @@ from ..results.unlatching import latched_since
 _LATCH_ANGLE = "latch_angle"
 
 
-def event_warnings(assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each event that did not happen, or whose target had latched or was released before."""
+def event_warnings(assembly: Assembly, result: Result, until: float) -> Iterator[str]:
+    """A sentence for each event that did not happen, or whose target had latched or was released before.
+
+    Those after the end of the run, `until` (s), are known before it.
+    """
     happened = {name: time for time, name, _ in result.events}
     for event in assembly.events:
         if event.name in happened:
             yield from _without_effect(assembly, event, happened[event.name], result)
             yield from _latches_left_behind(assembly, event, happened[event.name], result)
-        else:
+        elif event.time is None or event.time <= until:
             yield _absent(event, result)
 
 
@@ -31,8 +34,8 @@ def _absent(event: Event, result: Result) -> str:
     """Why it did not happen, and how far its condition was from being met."""
     if (condition := event.condition) is None:
         return (
-            f"event {event.name} did not happen: its time, {event.time:g} s, is after the end of the run. Run "
-            "longer, or move the event."
+            f"event {event.name} did not happen: its time is {event.time:g} s, and the run ended at "
+            f"{result.time[-1]:g} s."
         )
     values = result.signal(condition.part, condition.variable).reshape(result.time.size, -1)
     variable = f"{condition.part}.{condition.variable}"

@@ -17,10 +17,11 @@ _EFFECTS = {
 """What gives a component a force, by its kind."""
 
 
-def idle_part_warnings(scene: PlacedScene) -> Iterator[str]:
-    """Sentences with their keys."""
+def idle_part_warnings(scene: PlacedScene, until: float) -> Iterator[str]:
+    """Sentences with their keys, for a run to `until` (s)."""
     yield from coded("W-idle-load", _without_load(scene))
-    yield from coded("W-idle-load", _released_too_late(scene))
+    yield from coded("W-idle-load", _released_too_late(scene, until))
+    yield from coded("W-event", _events_too_late(scene, until))
 
 
 def _without_load(scene: PlacedScene) -> Iterator[str]:
@@ -36,12 +37,22 @@ def _without_load(scene: PlacedScene) -> Iterator[str]:
             )
 
 
-def _released_too_late(scene: PlacedScene) -> Iterator[str]:
+def _released_too_late(scene: PlacedScene, until: float) -> Iterator[str]:
     """Hold-downs that are released after the end of the run."""
     for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
         release = first_number(bolt, "release_time")
-        if release > scene.header.until:
+        if release > until:
             yield (
                 f"connection.{bolt.name}: its release_time of {release:g} s is after the end of the run at "
-                f"{scene.header.until:g} s. Release it earlier, or run longer."
+                f"{until:g} s. Release it earlier, or run longer."
+            )
+
+
+def _events_too_late(scene: PlacedScene, until: float) -> Iterator[str]:
+    """Events whose time is after the end of the run."""
+    for event in scene.events:
+        if event.time is not None and event.time > until:
+            yield (
+                f"event.{event.name}.time: {event.time:g} s is after the end of the run at {until:g} s, so it does not "
+                "happen. Move the event, or run longer."
             )

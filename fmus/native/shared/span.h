@@ -104,7 +104,7 @@ static inline int span_rates(const Span *self, const real *u, real *rates) {
 /* At the place of the inputs. */
 static int span_initial(void *self, const double *u, double *x, Reason *why) {
     Instant now = span_instant(self, u);
-    if (now.length == 0.0)
+    if (now.length < LEAST_SPAN)
         return refuse(why, "the ports of the " KIND " are at one point; its force has no direction");
     memset(x, 0, STATES * sizeof *x);
     vector_store(now.span, x + X_SPAN);

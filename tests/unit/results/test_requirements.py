@@ -8,6 +8,7 @@ from math import radians
 import pytest
 
 import orchestrator as fanfold
+from orchestrator.api.simulate import with_requirements
 from orchestrator.results.identifiers import unit_of
 from orchestrator.results.key_figures import headline
 from orchestrator.results.number import Number
@@ -33,6 +34,12 @@ def test_margins_by_hand(limit, margin, state):
     (one,) = judged([limit], [RATE], [])
     assert (one.value, one.error, one.margin) == pytest.approx((10.0, 0.5, margin))
     assert (one.unit, one.state, one.met) == ("deg/s", state, state == "met")
+
+
+def test_energies_have_prefixes():
+    """Definition: 1.5 J are 1500 mJ, with their error in the unit of the limit."""
+    (one,) = judged(["latch_energy.HL1 < 2000 mJ"], [Number("latch energy", "HL1", 1.5, "J", 0.01)], [])
+    assert (one.value, one.error, one.margin, one.unit) == pytest.approx((1500.0, 10.0, 500.0, "mJ"))
 
 
 def test_a_line_that_has_not_latched_fails():
@@ -70,12 +77,50 @@ def test_a_run_is_judged(tmp_path):
         ("latch_rte.HL < 15 deg/s", "latch_rate"),
         ("latch_rate.HL9 < 15 deg/s", "HL"),
         ("latch_rate.HL 15 deg/s", "NUMBER < VALUE"),
+        ("attitude_peak.x < 1 deg", "the number attitude_peak"),
+        ("tension_a_max < 90 N", "the number tension_a_max"),
+        ("largest_angle < 181 deg", "the number largest_angle"),
     ],
 )
 def test_refused_before_the_run(limit, word):
-    """Bad input: unit, number, line, form."""
+    """Bad input: unit, number, line, form; a fixed base, no cable loop, a line that has a latch."""
     with pytest.raises(SceneError, match=word):
         fanfold.simulate("workbench", require=[limit])
+
+
+def led():
+    """A leaf with a stop, and a block that follows a law and pulls it by a spring and a hold-down."""
+    scene = fanfold.Scene("led", until=0.01, preload=False)
+    scene.base(points={"a": (0, 0, 0)})
+    rigid = {"mass": 1, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1), "points": {"b": (0, 0, 0)}}
+    law = [{"profile": "step", "duration": 1.0, "change": 0.1}]
+    motion = {"translation_axis": (1, 0, 0), "translation": law}
+    scene.body("block", rigid=rigid, place={"body": "base", "point": "a", "offset": (1, 0, 0)}, motion=motion)
+    scene.body("leaf", rigid=rigid)
+    scene.hinge_line(
+        "HL", "base", "leaf", axis="+y", aligned_angle="90 deg", start_angle="80 deg", end_stop={"stiffness": 1e3},
+        hinges={"hinge": ("a", "b")},
+    )  # fmt: skip
+    ports = {"inboard": ("block", "b"), "outboard": ("leaf", "b")}
+    scene.connection("spring", "spring", ports=ports, parameters={"stiffness": 10.0})
+    scene.connection("bolt", "hold_down", ports=ports)
+    return scene
+
+
+def free():
+    """AMOS-3 with cable loops and a damper on a free spacecraft."""
+    return fanfold.load("amos3", variant="free")
+
+
+@pytest.mark.filterwarnings("ignore::orchestrator.FanfoldWarning")
+@pytest.mark.parametrize(("make", "until"), [(led, 0.01), (free, 12.0)])
+def test_every_number_of_a_run_may_have_a_limit(make, until):
+    """Definition: what a run has is what requirements on its scene may be on."""
+    scene = make()
+    run = fanfold.simulate(scene, rigid="all", until=until, tolerance=1e-2, estimate=False)
+    limits = [f"{number.id} < 1e9 {number.unit}" for number in run.headline.numbers()]
+    assert len(limits) > 15
+    with_requirements(scene, limits)
 
 
 def test_a_study_counts_them():

@@ -249,6 +249,23 @@ def test_loops_around_nothing_are_refused(key, sentence):
         load_scene(find_scene("amos3"), (), [key])
 
 
+@pytest.mark.parametrize(("how", "length"), [({"kind": "spring"}, 0.0), ({"preset": "distance"}, 0.5)])
+@pytest.mark.parametrize(("apart", "refused"), [(0.0, True), (1e-12, True), (1e-3, False)])
+def test_a_line_between_coincident_points_is_refused(how, length, apart, refused):
+    """Definition: it has no direction, or that of rounding. Regression: a run failed, or chose the axes of the port."""
+    scene = Scene("short", until=1, preload=False)
+    scene.base(points={"a": (0, 0, 0)})
+    block = {"mass": 1, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1), "points": {"b": (0, 0, 0)}}
+    scene.body("block", rigid=block, place={"body": "base", "point": "a", "offset": (0, 0, apart)})
+    ports = {"inboard": ("base", "a"), "outboard": ("block", "b")}
+    scene.connection("rod", **how, ports=ports, parameters={"preload_length": length, "stiffness": 100})
+    if refused:
+        with pytest.raises(SceneError, match=r"connection\.rod: .* at one point"):
+            scene.check()
+    else:
+        scene.check()
+
+
 def test_strands_stiffer_than_any_cable_are_told():
     """Regression: 1e12 N/m passed without a word, and the run crawled."""
     for stiffness, count in (("1e12 N/m", 1), ("1e7 N/m", 0)):
@@ -424,6 +441,7 @@ def test_rails_that_do_not_guide_are_told(parameters, sentence):
 
 
 def test_a_hold_down_that_lets_go_after_the_end_is_told():
+    """Definition: neither that, nor an event of that time, happens in the run."""
     for release, count in ((3.0, 1), (1.0, 0)):
         scene = Scene("bolted", until=2.0, preload=False)
         ports = {"inboard": (scene.base(points={"a": (0, 0, 0)}), "a")}
@@ -431,7 +449,11 @@ def test_a_hold_down_that_lets_go_after_the_end_is_told():
         place = {"body": ports["inboard"][0], "point": "a"}
         ports["outboard"] = (scene.body("lid", rigid=body, place=place), "b")
         scene.connection("bolt", "hold_down", ports=ports, parameters={"release_time": release})
-        assert len(coded(scene_warnings(scene.check()), "W-idle-load", "release_time of 3 s")) == count
+        scene.event("late", time=release, set={"bolt": {"preload": 1.0}})
+        told = scene_warnings(scene.check())
+        assert len(coded(told, "W-idle-load", "release_time of 3 s")) == count
+        assert len(coded(told, "W-event", "event.late.time: 3 s", "at 2 s")) == count
+        assert [one for one in scene_warnings(scene.check(), until=4.0) if " 3 s" in one] == []
 
 
 def test_pulleys_that_turn_against_each_other_are_told():

@@ -10,6 +10,7 @@
 #define LEAST_RATE 1e-30
 #define ROUGH 0.01
 #define LEAST_CHANGE 1e-05
+#define LEAST_SPAN 1e-09
 #define INSTANT 1e-07
 #define INSTANT_SHARE 0.001
 #define AGAIN 5e-08
