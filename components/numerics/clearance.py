@@ -5,7 +5,8 @@ r exceeds c, else none. The spring has the potential k d^2 / 2, the damper the f
 
     -b (n n^T + f^2 (1 - n n^T)) q',    n = q / r,    f = 1 - c / r:
 
-all of it along q, and across what the deflection turns with q. Without clearance both are those of a bushing.
+all of it along q, and across what the deflection turns with q. Without clearance both are those of a bushing. Along one
+coordinate this is the impact pair of Dubowsky and Freudenstein (1971).
 
 Over a step the discrete gradient of the potential is that of a law of r, along q0 + q1: its moment about the middle is
 none. Of order 4 the load is linear in time, as `fourth_order_correction` has it, with the tangent as a matrix. The

@@ -42,7 +42,7 @@ def test_a_mass_bounces_between_two_walls():
     """Closed form, at the default tolerance, over 13 impacts: straight through the play, half a sine in each wall."""
     found = fanfold.simulate(pin(0.3, axial_clearance=PLAY), estimate=False)
     expected = bouncing(found.time, PLAY, RATE, FREQUENCY)
-    assert found["pin", "frame_position"][:, 0] == pytest.approx(expected, abs=1e-4 * 2.0 * PLAY)
+    assert found["pin", "frame_position"][:, 0] == pytest.approx(expected, abs=1e-5 * np.ptp(expected))
     force = np.abs(found["bush", "axial_force"][:])
     assert force.max() == pytest.approx(RATE * np.sqrt(STIFFNESS * MASS), rel=1e-4)
     assert found.headline.energy_residual < 1e-6
@@ -71,10 +71,10 @@ def test_a_journal_that_circles_keeps_radius_rate_and_energy():
     scene = pin(0.05, (0, radius, 0), (0, 0, rate), radial_clearance=PLAY)
     found = fanfold.simulate(scene, estimate=False)
     _, y, z = found["pin", "frame_position"][:].T
-    assert np.hypot(y, z) == pytest.approx(radius, abs=1e-3 * deep)
+    assert np.hypot(y, z) == pytest.approx(radius, abs=2e-4 * deep)
     angle = np.unwrap(np.arctan2(z, y))
     assert angle[-1] > 2.0 * np.pi
-    assert angle == pytest.approx(rate / radius * found.time, abs=1e-3)
+    assert angle == pytest.approx(rate / radius * found.time, abs=2e-4)
     assert found.headline.energy_residual < 1e-6
 
 

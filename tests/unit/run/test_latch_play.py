@@ -31,7 +31,7 @@ def test_a_leaf_bounces_between_two_springs():
     latched = found.latch_times["HL"]
     rows = found.time > latched + 1e-6
     expected = LATCH + bouncing(found.time[rows] - latched, PLAY, RATE, FREQUENCY)
-    assert np.abs(found["hinge", "angle"][rows] - expected).max() < 1e-4 * np.ptp(expected)
+    assert np.abs(found["hinge", "angle"][rows] - expected).max() < 1e-5 * np.ptp(expected)
     peak = RATE * np.sqrt(STIFFNESS * INERTIA)
     assert found.headline.latch_torque_peaks["HL"] == pytest.approx(peak, rel=1e-4)
     assert found.headline.energy_residual < 1e-8
