@@ -169,6 +169,7 @@ class InLibrary:
         if not self.handle:
             raise ComponentError(f"{name}: the compiled library refuses it")
         self.close = finalize(self, self.library.fmi2FreeInstance, self.handle)
+        self.library.fanfoldAcceptNumbers(self.handle)
 
     def digest(self, values: Vector) -> str:
         """SHA-256 of all that it computes with: the library, its data, and values of parameters and inputs."""

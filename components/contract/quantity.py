@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from .errors import FanfoldError
 
 Vector = NDArray[np.float64]
+Kind = Literal["real", "boolean", "integer"]
+"""Type of a variable of an FMU; within components its value is a number, 0 or 1 for a Boolean."""
 
 
 class ComponentError(FanfoldError):
@@ -26,6 +28,7 @@ class Quantity:
     scalar. `minimum` and `maximum` bound every scalar, inclusive. `variability` only matters for
     parameters ("fixed" before the start only, "tunable" between steps), inputs ("continuous", "discrete") and
     observations ("discrete" for flags). `role`: of an observation, what it is to those who show results, see `roles`.
+    `kind`: what hosts see; a Boolean or an integer is a number of no unit here, and is never continuous.
 
     Of states alone: `rate_unit` is the unit of the rate where an outer solver may integrate the state, which then is
     typically of the size `nominal`, and nothing but observations depends on it if it is a `quadrature`. `resized`:
@@ -45,6 +48,7 @@ class Quantity:
     nominal: float | tuple[float, ...] = 1.0
     quadrature: bool = False
     resized: bool = False
+    kind: Kind = "real"
 
     def saying(self, description: str) -> Quantity:
         """The same with a description of its own."""

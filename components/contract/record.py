@@ -28,6 +28,11 @@ def tunable(
     return Quantity("", unit, description, 1, start, minimum, maximum, "tunable")
 
 
+def switched(description: str, start: float = 0.0) -> Quantity:
+    """A tunable parameter that is 0 or 1, and nothing between."""
+    return Quantity("", "1", description, 1, start, 0.0, 1.0, "tunable", kind="boolean")
+
+
 def kept(unit: str, description: str) -> Quantity:
     """A state."""
     return Quantity("", unit, description)
@@ -50,7 +55,7 @@ def fixed(unit: str, description: str) -> Quantity:
 
 def flagged(description: str) -> Quantity:
     """An observation that is 0 or 1, and nothing between."""
-    return Quantity("", "1", description, variability="discrete")
+    return Quantity("", "1", description, variability="discrete", kind="boolean")
 
 
 _Names = dict[str, Any]

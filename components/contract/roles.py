@@ -8,7 +8,7 @@ from .quantity import Quantity
 
 
 def _command(name: str, description: str) -> Quantity:
-    return Quantity(name, "1", description, variability="discrete")
+    return Quantity(name, "1", description, variability="discrete", kind="boolean")
 
 
 IMPULSE = _command("impulse", "1: the next step is an impulse")
@@ -30,17 +30,19 @@ LATCH_DISTANCE = Quantity(
     "latch_distance", "rad", "Latch angle minus hinge angle; falls through zero at latch-up"
 )
 """Output that a master watches for its zero: the event indicator of latch-up."""
-LATCHED = Quantity("latched", "1", "1 from latch-up on, until it is unlatched", variability="discrete")
+LATCHED = Quantity(
+    "latched", "1", "1 from latch-up on, until it is unlatched", variability="discrete", kind="boolean"
+)
 """Output, beside the latch distance."""
 
 TIME_TO_BREAK = Quantity("time_to_break", "s", "Time to the next instant where a motion law changes its form")
 """Output of what follows a motion law: a master ends a step there."""
 
-CUT = Quantity("cut", "1", "1: it is cut, and carries nothing", 1, 0.0, 0.0, 1.0, "tunable")
+CUT = Quantity("cut", "1", "1: it is cut, and carries nothing", 1, 0.0, 0.0, 1.0, "tunable", kind="boolean")
 """Parameter of a cable that an event releases."""
 ORDER = Quantity(
     "order", "1", "Order of mean wrenches in time: 2, or 4, which needs first moments from the master",
-    1, 2.0, 2.0, 4.0, "fixed",
+    1, 2.0, 2.0, 4.0, "fixed", kind="integer",
 )  # fmt: skip
 """Parameter of a connection that has a law of order 4."""
 KINETIC_ENERGY = Quantity("kinetic_energy", "J", "Kinetic energy")

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 from ..contract.connection import NO_PAIR, SLOPES, WRENCH
 from ..contract.frames import Quaternion, Vector3
 from ..contract.quantity import Quantity
-from ..contract.record import integrated, kept, observed, tunable
+from ..contract.record import integrated, kept, observed, switched, tunable
 from ..contract.roles import (
     DISSIPATED_ENERGY,
     DISSIPATION,
@@ -87,7 +87,7 @@ class Parameters(NamedTuple):
     latch_angle: Annotated[float, tunable("rad", "Hinge angle where the latch engages")]
     latch_stiffness: Annotated[float, tunable("N.m/rad", "Stiffness of a spring latch", 0.0, 0.0)]
     latch_damping: Annotated[float, tunable("N.m.s/rad", "Damping of a spring or table latch", 0.0, 0.0)]
-    latch_automatic: Annotated[float, tunable("1", "1: latch without command (endpoint mode)", 1.0, 0.0)]
+    latch_automatic: Annotated[float, switched("1: latch without command (endpoint mode)", 1.0)]
     lock_mass: Annotated[float, tunable("kg", "Numerical: mass of an ideal joint in impulses", 1e6, 1.0)]
     lock_inertia: Annotated[float, tunable("kg.m2", "Numerical: inertia of a lock in impulses", 1e6, 1.0)]
     lock_stiffness: Annotated[

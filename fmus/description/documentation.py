@@ -16,6 +16,7 @@ from .variables import Variable, quantities
 _HERE = Path(__file__).parent
 _PICTURE = "picture.png"
 _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
+_TYPES = {"real": "real", "boolean": "Boolean", "integer": "integer"}
 _EXPERIMENT = ("stop time, s", "communication step, s", "tolerance")
 _STYLE = (
     "body{font:14px/1.45 sans-serif;margin:2em;max-width:72em;color:#222}"
@@ -65,7 +66,7 @@ def _page(
     for causality, heading in _HEADINGS.items():
         found = [variable for variable in quantities(component) if variable.causality == causality]
         yield f"<h2>{heading}</h2>"
-        titles = ("name", "size", "unit", "variability", "start", "range", "meaning")
+        titles = ("name", "type", "size", "unit", "variability", "start", "range", "meaning")
         yield from _table(titles, (_row(variable, starts) for variable in found))
     yield "</body></html>"
 
@@ -76,8 +77,9 @@ def _row(variable: Variable, starts: Sequence[float]) -> tuple[str, ...]:
     start = f"{given[0]:g}" if len(set(given)) == 1 else ", ".join(f"{value:g}" for value in given)
     low, high = ("" if bound is None else f"{bound:g}" for bound in (quantity.minimum, quantity.maximum))
     bounds = f"{low} to {high}" if low or high else ""
-    size, unit = str(quantity.size), quantity.unit
-    return variable.name, size, unit, variable.variability, start, bounds, quantity.description
+    size, kind = str(quantity.size), quantity.kind
+    unit = quantity.unit if kind == "real" else ""
+    return variable.name, _TYPES[kind], size, unit, variable.variability, start, bounds, quantity.description
 
 
 def _table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:

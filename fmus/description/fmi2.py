@@ -25,6 +25,8 @@ _STATE_CAPABILITIES = {
     "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
 }
+TYPES = {"real": "Real", "boolean": "Boolean", "integer": "Integer"}
+"""Types of FMI 2.0 by kinds of quantities."""
 _CAPABILITIES: dict[Backend, dict[str, str]] = {
     "native": {**_STATE_CAPABILITIES, "providesDirectionalDerivative": "true"},
     # an embedded Python with NumPy and SciPy
@@ -69,6 +71,8 @@ STEP_DERIVATIVE = (
     "to the inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, "
     "it is that of the outputs at the communication point, as the standard means it."
 )
+ACCEPT_NUMBERS = "fanfoldAcceptNumbers"
+"""Function of a native FMU after which variables of all types are read and written as numbers, as Real ones are."""
 ZERO_MOBILITY = "no wrench changes the motion"
 CONSTANT_MOBILITY = (
     "The derivative of the ports' motion with respect to the wrenches held in a communication step depends on the "
@@ -146,6 +150,7 @@ def _add_annotations(root: _Element, component: Component, backend: Backend) -> 
     said = []
     if backend == "native":
         said.append(("DirectionalDerivative", {"afterStep": STEP_DERIVATIVE}))
+    said.append(("Numbers", {"after": ACCEPT_NUMBERS if backend == "native" else ""}))
     if component.constant_mobility:
         zero = {"zero": ZERO_MOBILITY} if component.prescribed_motion else {}
         said.append(("Mobility", {"constant": CONSTANT_MOBILITY, **zero}))
@@ -163,12 +168,12 @@ def _add_annotations(root: _Element, component: Component, backend: Backend) -> 
 def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
     parent = SubElement(root, "ModelVariables")
     for variable in variables:
-        attributes, real = variable.attributes(), variable.unit_and_range()
+        attributes, said = variable.attributes(), variable.unit_and_range()
         if variable.causality == "output":
             attributes["initial"] = "calculated"
         else:
-            real["start"] = repr(float(starts[variable.value_reference]))
-        SubElement(SubElement(parent, "ScalarVariable", attributes), "Real", real)
+            said["start"] = variable.written([starts[variable.value_reference]])
+        SubElement(SubElement(parent, "ScalarVariable", attributes), TYPES[variable.quantity.kind], said)
 
 
 def _add_structure(root: _Element, component: Component, variables: Sequence[Variable]) -> None:

@@ -24,6 +24,8 @@ _CAPABILITIES = {
     "canSerializeFMUState": "true",
     "providesDirectionalDerivatives": "true",
 }
+TYPES = {"real": "Float64", "boolean": "Boolean", "integer": "Int32"}
+"""Types of FMI 3.0 by kinds of quantities."""
 _LOG_CATEGORIES = {
     "logStatusWarning": "Messages with the status fmi3Warning",
     "logStatusDiscard": "Messages with the status fmi3Discard: why a step cannot be made",
@@ -86,8 +88,8 @@ def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequen
         if variable.causality == "output":
             attributes["initial"] = "calculated"
         else:
-            attributes["start"] = " ".join(repr(float(value)) for value in starts[first:end])
-        element = SubElement(parent, "Float64", attributes)
+            attributes["start"] = variable.written(starts[first:end])
+        element = SubElement(parent, TYPES[quantity.kind], attributes)
         if quantity.size > 1:
             SubElement(element, "Dimension", {"start": str(quantity.size)})
     time = {"name": "time", "valueReference": str(end), "description": "Simulation time", "unit": "s"}

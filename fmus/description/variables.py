@@ -8,7 +8,7 @@ port and each quantity is one contiguous range.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,12 +16,18 @@ import numpy as np
 
 from components import Component, ComponentError, Quantity
 from components.contract.errors import nearest
+from components.contract.quantity import Kind
 
 from .units import DISPLAYED
 
 StartValue = float | Sequence[float]
 Causality = Literal["parameter", "input", "output"]
 
+_WRITTEN: Mapping[Kind, Callable[[float], str]] = {
+    "real": lambda value: repr(float(value)),
+    "boolean": lambda value: "true" if value > 0.5 else "false",
+    "integer": lambda value: str(round(value)),
+}
 _CAUSALITIES: tuple[Causality, ...] = ("parameter", "input", "output", "output")
 
 
@@ -43,7 +49,8 @@ class Variable:
         declared = self.quantity.variability
         if self.causality == "parameter":
             return "tunable" if declared == "tunable" else "fixed"
-        return "discrete" if declared == "discrete" else "continuous"
+        is_discrete = declared == "discrete" or self.quantity.kind != "real"
+        return "discrete" if is_discrete else "continuous"
 
     def attributes(self) -> dict[str, str]:
         """What it is, by the names that all versions of FMI have for it."""
@@ -56,12 +63,20 @@ class Variable:
         }
 
     def unit_and_range(self) -> dict[str, str]:
-        """The same of its unit and range."""
+        """The same of its unit and range; a Boolean has neither, an integer has no unit."""
+        if self.quantity.kind == "boolean":
+            return {}
         bounds = {"min": self.quantity.minimum, "max": self.quantity.maximum}
-        given = {name: repr(float(bound)) for name, bound in bounds.items() if bound is not None}
+        given = {name: self.written([bound]) for name, bound in bounds.items() if bound is not None}
+        if self.quantity.kind == "integer":
+            return given
         unit = self.quantity.unit
         shown = {"displayUnit": DISPLAYED[unit]} if unit in DISPLAYED else {}
         return {"unit": unit, **shown, **given}
+
+    def written(self, values: Sequence[float]) -> str:
+        """Values as XML has them for its type."""
+        return " ".join(map(_WRITTEN[self.quantity.kind], values))
 
 
 def quantities(component: Component) -> Iterator[Variable]:

@@ -45,6 +45,11 @@ RAW: dict[str, tuple[Any, ...]] = {
     "fmi2Reset": (),
     "fmi2SetReal": (c_void_p, c_size_t, c_void_p),
     "fmi2GetReal": (c_void_p, c_size_t, c_void_p),
+    **{
+        f"fmi2{verb}{kind}": (c_void_p, c_size_t, c_void_p)
+        for verb in ("Set", "Get")
+        for kind in ("Boolean", "Integer")
+    },
     "fmi2DoStep": (c_double, c_double, c_int),
     "fmi2GetFMUstate": (c_void_p,),
     "fmi2SetFMUstate": (c_void_p,),
@@ -54,6 +59,7 @@ RAW: dict[str, tuple[Any, ...]] = {
     "fmi2DeSerializeFMUstate": (c_void_p, c_size_t, c_void_p),
     "fmi2GetDirectionalDerivative": (c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_void_p),
     "fanfoldGetPortStiffness": (c_size_t, c_void_p),
+    "fanfoldAcceptNumbers": (),
 }
 """Functions that can be called as they are, and their arguments after the instance; pointers are those of memory."""
 _ENDS = "it asks for the end of the simulation"

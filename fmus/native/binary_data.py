@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from components import Component
+from components.contract.quantity import Kind
 
 from .headers import layout_digest
 
-_MAGIC = b"FANFOLD\1"
+_MAGIC = b"FANFOLD\2"
 _HEAD = struct.Struct("<IQ")
 """Of an entry, after its kind: length of its name, number of its elements."""
+_KINDS: tuple[Kind, ...] = ("real", "boolean", "integer")
+"""By their numbers in `core/data.h`."""
 _GROUPS = ("parameter", "input", "output", "observation")
 
 
@@ -66,7 +69,7 @@ def arrays_in(content: bytes, first: int = 0) -> Iterator[tuple[str, int, int]]:
 
 
 def _variables(component: Component) -> Mapping[str, ArrayLike]:
-    """Offset, size, minimum, maximum of every quantity, and whether it changes at events only, by group and name."""
+    """Of every quantity, by group and name: offset, size, range, whether it changes at events only, and its kind."""
     found: dict[str, ArrayLike] = {}
     for group, layout in zip(_GROUPS, component.layouts, strict=True):
         for quantity in layout.quantities:
@@ -74,7 +77,14 @@ def _variables(component: Component) -> Mapping[str, ArrayLike]:
             low = -np.inf if quantity.minimum is None else quantity.minimum
             high = np.inf if quantity.maximum is None else quantity.maximum
             at_events = float(quantity.variability in ("tunable", "discrete"))
-            found[f"{group}:{quantity.name}"] = (place.start, quantity.size, low, high, at_events)
+            found[f"{group}:{quantity.name}"] = (
+                place.start,
+                quantity.size,
+                low,
+                high,
+                at_events,
+                _KINDS.index(quantity.kind),
+            )
     return found
 
 

@@ -39,6 +39,9 @@ _CHECK = struct.Struct("<I")
 _REMEMBERED_ACCESSES = 256
 _SAME_TIME = 1e-9
 """Relative tolerance of times."""
+_KINDS = {"real": "a real number", "boolean": "a Boolean", "integer": "an integer"}
+_TRUE = 0.5
+"""Numbers above it are true."""
 _NO_STATE: Vector = np.zeros(0)
 _RELEASED: set[Path] = set()
 
@@ -137,6 +140,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         layouts = component.layouts
         ends = np.cumsum([layout.size for layout in layouts]).tolist()
         self._names = [name for layout in layouts for name in layout.scalar_names()]
+        self._kinds = [q.kind for layout in layouts for q in layout.quantities for _ in range(q.size)]
         self._values = np.zeros(ends[-1])
         self._buffer = self._values.data.cast("B")
         self._known = self._values[: ends[1]]
@@ -332,11 +336,36 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             own_once_more(given_up)
         return error if isinstance(error, Exception) else ComponentError(f"{type(error).__name__}: {error}")
 
-    def _refuse_other_types(self, *_: object) -> None:
-        raise self._failure(ComponentError("all variables of this FMU are of type Real"))
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """Values of Booleans, which are 0 or 1 inside."""
+        return [value > _TRUE for value in self.get_real(self._of_kind("boolean", vrs))]
 
-    get_integer = get_boolean = get_string = _refuse_other_types
-    set_integer = set_boolean = set_string = _refuse_other_types
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """Set Booleans."""
+        self.set_real(self._of_kind("boolean", vrs), [float(value) for value in values])
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Values of integers."""
+        return [int(value) for value in self.get_real(self._of_kind("integer", vrs))]
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set integers."""
+        self.set_real(self._of_kind("integer", vrs), [float(value) for value in values])
+
+    def _of_kind(self, kind: str, vrs: list[int]) -> list[int]:
+        for reference in vrs:
+            own = self._kinds[reference] if 0 <= reference < len(self._kinds) else kind
+            if own != kind:
+                name = self._names[reference]
+                raise self._failure(
+                    ComponentError(f"{name} is {_KINDS[own]}; it has no value that is {_KINDS[kind]}")
+                )
+        return vrs
+
+    def _refuse_texts(self, *_: object) -> None:
+        raise self._failure(ComponentError("this FMU has no variables of type String"))
+
+    get_string = set_string = _refuse_texts
 
     # FMU state
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Collection, Mapping, Sequence
+from ctypes import c_void_p
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, ClassVar
+from xml.etree import ElementTree
 
 from fmpy.fmi2 import FMU2Slave, calloc, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, free
 from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as Allocate
@@ -22,6 +24,7 @@ from .fmu_variables import described_in, said_of, says
 from .isolated import IsolatedFmu
 from .participant import OK, WARNING, ParticipantError
 from .shared_library import library_of, unpack
+from .typed_functions import Groups, References, as_numbers, references_of
 
 _PYTHON = "PythonFMU"
 """Its FMUs create a new state with every save, and log texts with percent signs unchanged."""
@@ -105,9 +108,24 @@ class FmuParticipant(FmiParticipant):
             if apart
             else self._instance_here(description)
         )
-        parameters, inputs, outputs, observations = (references for _, references in variables)
-        self._bind(self._fmu.dll, self._fmu.component, (parameters, inputs, outputs, observations))
+        functions, references = self._number_functions(variables, said_of(annotation, "Numbers"))
+        self._bind(functions, self._fmu.component, references)
         self._set_up()
+
+    def _number_functions(
+        self, variables: Groups, said: ElementTree.Element | None
+    ) -> tuple[Any, References]:
+        """Functions of which those for real variables take numbers of all types, and references for them.
+
+        said: of the annotation, that the FMU does so itself, and after which call.
+        """
+        assert self._fmu is not None
+        functions = self._fmu.dll
+        if said is None:
+            return as_numbers(functions, variables)
+        if name := said.get("after"):
+            self.check(getattr(functions, name)(c_void_p(self._fmu.component)), "accept numbers")
+        return functions, references_of(variables)
 
     def _instance_here(self, description: Any) -> FMU2Slave:  # noqa: ANN401
         fmu = FMU2Declared(

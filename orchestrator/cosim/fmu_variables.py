@@ -17,6 +17,7 @@ from components.contract.roles import LATCH_DISTANCE, LATCHED, TIME_TO_BREAK
 from fmus.archive import undated
 
 from .ports import MOMENTS, MOTION, SLOPES, WRENCH
+from .typed_functions import TYPES
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)
@@ -27,7 +28,10 @@ _descriptions: dict[bytes, Described] = {}
 
 
 class Described(NamedTuple):
-    """The model description of an FMU, Fanfold's annotation in it, and its real variables."""
+    """The model description of an FMU, Fanfold's annotation in it, and its variables that are exchanged as numbers.
+
+    Those are the real ones, Booleans and integers.
+    """
 
     description: Any
     annotation: ElementTree.Element | None
@@ -39,14 +43,14 @@ class Described(NamedTuple):
     @classmethod
     def of(cls, description: Any, annotation: ElementTree.Element | None) -> Described:  # noqa: ANN401
         """With variables by their role for a master: outputs are those that it exchanges, observations all others."""
-        reals = [v for v in description.modelVariables if v.type == "Real"]
-        outputs = [v for v in reals if v.causality == "output"]
+        numbers = [v for v in description.modelVariables if v.type in TYPES]
+        outputs = [v for v in numbers if v.causality == "output"]
         layout, observed = _group(v for v in outputs if not _is_coupled(v.name))
         return cls(
             description,
             annotation,
-            _group(v for v in reals if v.causality == "parameter"),
-            _group(v for v in reals if v.causality == "input"),
+            _group(v for v in numbers if v.causality == "parameter"),
+            _group(v for v in numbers if v.causality == "input"),
             _group(v for v in outputs if _is_coupled(v.name)),
             (_with_roles(layout, annotation), observed),
         )
@@ -89,14 +93,27 @@ def _is_coupled(name: str) -> bool:
     )
 
 
+def _start(variable: Any) -> float:  # noqa: ANN401 - of FMPy
+    text = variable.start
+    return float(text == "true" if text in ("true", "false") else text or 0.0)
+
+
 def _group(variables: Iterable[Any]) -> tuple[Layout, list[int]]:
     """Scalars `name[1]`, `name[2]`, ... as one quantity each, and all value references in order."""
     quantities, references = [], []
     for name, members in groupby(variables, key=lambda v: _INDEX.sub("", v.name)):
         found = list(members)
         references += [v.valueReference for v in found]
-        starts = tuple(float(v.start) if v.start is not None else 0.0 for v in found)
+        starts = tuple(_start(v) for v in found)
+        first = found[0]
         quantities.append(
-            Quantity(name, found[0].unit or "1", found[0].description or "", len(found), starts)
+            Quantity(
+                name,
+                first.unit or "1",
+                first.description or "",
+                len(found),
+                starts,
+                kind=TYPES[first.type],
+            )
         )
     return Layout(quantities), references

@@ -13,10 +13,10 @@ from fmus.host.process import FmuProcess, HostError
 
 from .participant import ERROR, FATAL, OK
 
-_REFERENCE, _NUMBER, _POINTER = 4, 8, sizeof(c_void_p)
+_REFERENCE, _NUMBER, _WHOLE, _POINTER = 4, 8, sizeof(c_int), sizeof(c_void_p)
 _PORT = 12 * 18
 """Size of the stiffness of one port by the motion of one port."""
-_OFFERED = "fmi2GetDirectionalDerivative", "fanfoldGetPortStiffness"
+_OFFERED = "fmi2GetDirectionalDerivative", "fanfoldGetPortStiffness", "fanfoldAcceptNumbers"
 """Functions that an FMU may lack."""
 
 
@@ -30,6 +30,22 @@ class _Written(NamedTuple):
 _MEMORY: dict[str, Callable[..., tuple[Any, ...]]] = {
     "fmi2SetReal": lambda of, n, values: (string_at(of, _REFERENCE * n), n, string_at(values, _NUMBER * n)),
     "fmi2GetReal": lambda of, n, values: (string_at(of, _REFERENCE * n), n, _Written(values, _NUMBER * n)),
+    **{
+        f"fmi2Set{kind}": lambda of, n, values: (
+            string_at(of, _REFERENCE * n),
+            n,
+            string_at(values, _WHOLE * n),
+        )
+        for kind in ("Boolean", "Integer")
+    },
+    **{
+        f"fmi2Get{kind}": lambda of, n, values: (
+            string_at(of, _REFERENCE * n),
+            n,
+            _Written(values, _WHOLE * n),
+        )
+        for kind in ("Boolean", "Integer")
+    },
     "fmi2GetFMUstate": lambda cell: (_Written(cell, _POINTER),),
     "fmi2FreeFMUstate": lambda cell: (_Written(cell, _POINTER),),
     "fmi2SerializedFMUstateSize": lambda state, size: (state, _Written(size, _POINTER)),

@@ -14,6 +14,7 @@ from fmpy.validation import validate_fmu
 
 from components import ComponentError
 from fmus import check_fmu, native_backend, native_library
+from fmus.description.fmi3 import TYPES
 from tests.conformance.programs import apart
 from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import CHECKS as LATCHING
@@ -81,7 +82,7 @@ def test_latch_up(check):
 @pytest.mark.parametrize("kind", NATIVE)
 def test_variables_are_the_declared_quantities(kind):
     component = KINDS[kind].example()
-    found = description(path_of(kind)).findall("ModelVariables/Float64")
+    found = description(path_of(kind)).findall("ModelVariables/*")
     time = found.pop()
     assert (time.get("name"), time.get("causality")) == ("time", "independent")
     declared = [q for layout in component.layouts for q in layout.quantities]
@@ -89,6 +90,8 @@ def test_variables_are_the_declared_quantities(kind):
     for variable, quantity in zip(found, declared, strict=True):
         dimensions = [int(d.get("start")) for d in variable.findall("Dimension")]
         assert variable.get("name") == quantity.name
+        assert variable.tag == TYPES[quantity.kind]
+        assert (variable.get("unit") is None) == (quantity.kind != "real")
         assert int(variable.get("valueReference")) == position
         assert dimensions == ([quantity.size] if quantity.size > 1 else [])
         assert len((variable.get("start") or "").split()) in (0, quantity.size)

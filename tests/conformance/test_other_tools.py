@@ -85,7 +85,8 @@ def simulated(tmp_path, monkeypatch, capfd):
         monkeypatch.setattr(sys, "argv", ["fmpy", *plain, "--output-file", str(found)])
         fmpy.cli.main()
         assert tuple(capfd.readouterr()) == ("", "")
-        lines = found.read_text().splitlines()[1:]
+        text = found.read_text().replace("False", "0").replace("True", "1")
+        lines = text.splitlines()[1:]
         return np.array(
             [line.replace(",", " ").split() for line in lines], dtype=float
         )  # arrays are one column

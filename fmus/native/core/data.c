@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAGIC "FANFOLD\1"
+#define MAGIC "FANFOLD\2"
 #define LARGEST_FILE (1u << 30)
 
 static uint64_t number_at(const unsigned char *bytes, int count) {
@@ -162,7 +162,8 @@ int data_variable(const Data *data, size_t index, const char *group, Variable *v
     size_t length = strlen(group);
     if (strncmp(entry->name, group, length) != 0 || entry->name[length] != ':')
         return 0;
-    if (!entry->numbers || entry->count != 5 || !whole(entry->numbers[0]) || !whole(entry->numbers[1]))
+    if (!entry->numbers || entry->count != 6 || !whole(entry->numbers[0]) || !whole(entry->numbers[1]) ||
+        !whole(entry->numbers[5]) || entry->numbers[5] > KIND_INTEGER)
         return 0;
     variable->name = entry->name + length + 1;
     variable->offset = (size_t)entry->numbers[0];
@@ -170,6 +171,7 @@ int data_variable(const Data *data, size_t index, const char *group, Variable *v
     variable->minimum = entry->numbers[2];
     variable->maximum = entry->numbers[3];
     variable->tunable = entry->numbers[4] != 0.0;
+    variable->kind = (VariableKind)entry->numbers[5];
     return 1;
 }
 

@@ -27,12 +27,16 @@ struct Data {
     size_t count;
 };
 
+/* What a variable is to a host; its values are numbers inside, 0 or 1 for a Boolean. */
+typedef enum { KIND_REAL, KIND_BOOLEAN, KIND_INTEGER } VariableKind;
+
 /* A declared variable: where its scalars are within their group, and the range of each. */
 typedef struct {
     const char *name;
     size_t offset, size;
     double minimum, maximum;
     int tunable;
+    VariableKind kind;
 } Variable;
 
 /* Reads a file; 0 and a sentence when it is not what it should be. */

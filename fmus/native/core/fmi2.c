@@ -14,6 +14,8 @@
 #include "log_categories.h"
 #include "resources.h"
 
+#define NO_TEXTS "this FMU has no variables of type String"
+
 /* An instance and the host it reports to. */
 typedef struct {
     Instance *instance;
@@ -118,10 +120,17 @@ FMI2_EXPORT fmi2Status FMI2(Reset)(fmi2Component component) {
     CALLED(instance_reset(instance));
 }
 
+/* STATUS_OK where there are arrays for variables of a kind. */
+static Status check(Instance *instance, VariableKind kind, const char *type, const fmi2ValueReference *references,
+                     const void *values, size_t count) {
+    const Status status = instance_refuse_missing(instance, references, values, count);
+    return status == STATUS_OK ? instance_refuse_other(instance, kind, type, references, count) : status;
+}
+
 FMI2_EXPORT fmi2Status FMI2(GetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                      fmi2Real values[]) {
     Instance *instance = fmi2_instance_of(component);
-    if (!instance || instance_refuse_missing(instance, references, values, count) != STATUS_OK)
+    if (!instance || check(instance, KIND_REAL, "Real", references, values, count) != STATUS_OK)
         return fmi2Error;
     return (fmi2Status)instance_get(instance, references, count, values);
 }
@@ -129,7 +138,7 @@ FMI2_EXPORT fmi2Status FMI2(GetReal)(fmi2Component component, const fmi2ValueRef
 FMI2_EXPORT fmi2Status FMI2(SetReal)(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                      const fmi2Real values[]) {
     Instance *instance = fmi2_instance_of(component);
-    if (!instance || instance_refuse_missing(instance, references, values, count) != STATUS_OK)
+    if (!instance || check(instance, KIND_REAL, "Real", references, values, count) != STATUS_OK)
         return fmi2Error;
     return (fmi2Status)instance_set(instance, references, count, values);
 }
@@ -139,21 +148,57 @@ static Status refused(Instance *instance, size_t count, const char *sentence) {
     return count ? instance_fail(instance, STATUS_ERROR, "%s", sentence) : STATUS_OK;
 }
 
-#define OTHER_TYPE(Type)                                                                                         \
+/* Values that are no real numbers for a host, but are numbers inside. */
+#define TYPE_OF_NUMBERS(Type, kind, value_of_number)                                                             \
     FMI2_EXPORT fmi2Status FMI2(Get##Type)(fmi2Component component, const fmi2ValueReference references[],       \
                                            size_t count, fmi2##Type values[]) {                                  \
-        (void)references, (void)values;                                                                          \
-        CALLED(refused(instance, count, "all variables of this FMU are of type Real"));                          \
+        Instance *instance = fmi2_instance_of(component);                                                        \
+        if (!instance || check(instance, kind, #Type, references, values, count) != STATUS_OK)                  \
+            return fmi2Error;                                                                                    \
+        Status status = STATUS_OK;                                                                               \
+        for (size_t i = 0; i < count && status == STATUS_OK; i++) {                                              \
+            double number = 0.0;                                                                                 \
+            status = instance_get(instance, references + i, 1, &number);                                         \
+            values[i] = value_of_number;                                                                         \
+        }                                                                                                        \
+        return (fmi2Status)status;                                                                               \
     }                                                                                                            \
     FMI2_EXPORT fmi2Status FMI2(Set##Type)(fmi2Component component, const fmi2ValueReference references[],       \
                                            size_t count, const fmi2##Type values[]) {                            \
-        (void)references, (void)values;                                                                          \
-        CALLED(refused(instance, count, "all variables of this FMU are of type Real"));                          \
+        Instance *instance = fmi2_instance_of(component);                                                        \
+        if (!instance || check(instance, kind, #Type, references, values, count) != STATUS_OK)                  \
+            return fmi2Error;                                                                                    \
+        Status status = STATUS_OK, worst = STATUS_OK;                                                            \
+        for (size_t i = 0; i < count && worst <= STATUS_WARNING; i++) {                                          \
+            const double number = kind == KIND_BOOLEAN ? values[i] != 0 : values[i];                             \
+            if ((status = instance_set(instance, references + i, 1, &number)) > worst)                           \
+                worst = status;                                                                                  \
+        }                                                                                                        \
+        return (fmi2Status)worst;                                                                                \
     }
 
-OTHER_TYPE(Integer)
-OTHER_TYPE(Boolean)
-OTHER_TYPE(String)
+TYPE_OF_NUMBERS(Integer, KIND_INTEGER, (fmi2Integer)number)
+TYPE_OF_NUMBERS(Boolean, KIND_BOOLEAN, number > 0.5)
+
+FMI2_EXPORT fmi2Status FMI2(GetString)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                       fmi2String values[]) {
+    (void)references, (void)values;
+    CALLED(refused(instance, count, NO_TEXTS));
+}
+
+FMI2_EXPORT fmi2Status FMI2(SetString)(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                       const fmi2String values[]) {
+    (void)references, (void)values;
+    CALLED(refused(instance, count, NO_TEXTS));
+}
+
+FMI2_EXPORT fmi2Status ACCEPT_NUMBERS(fmi2Component component) {
+    Instance *instance = fmi2_instance_of(component);
+    if (!instance)
+        return fmi2Error;
+    instance->accepts_numbers = 1;
+    return fmi2OK;
+}
 
 FMI2_EXPORT fmi2Status FMI2(GetFMUstate)(fmi2Component component, fmi2FMUstate *state) {
     CALLED(instance_save(instance, (SavedState **)state));
@@ -186,7 +231,11 @@ FMI2_EXPORT fmi2Status FMI2(GetDirectionalDerivative)(fmi2Component component,
                                                       const fmi2ValueReference unknowns[], size_t unknown_count,
                                                       const fmi2ValueReference knowns[], size_t known_count,
                                                       const fmi2Real seed[], fmi2Real result[]) {
-    CALLED(instance_derivative(instance, unknowns, unknown_count, knowns, known_count, seed, result));
+    Instance *instance = fmi2_instance_of(component);
+    if (!instance || instance_refuse_other(instance, KIND_REAL, "Real", unknowns, unknown_count) != STATUS_OK ||
+        instance_refuse_other(instance, KIND_REAL, "Real", knowns, known_count) != STATUS_OK)
+        return fmi2Error;
+    return (fmi2Status)instance_derivative(instance, unknowns, unknown_count, knowns, known_count, seed, result);
 }
 
 FMI2_EXPORT fmi2Status PORT_STIFFNESS(fmi2Component component, size_t ports, fmi2Real stiffness[]) {

@@ -67,6 +67,10 @@ FMI2_EXPORT fmi2Status FMI2(Terminate)(fmi2Component);
 FMI2_EXPORT fmi2Status FMI2(Reset)(fmi2Component);
 FMI2_EXPORT fmi2Status FMI2(GetReal)(fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
 FMI2_EXPORT fmi2Status FMI2(SetReal)(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Real[]);
+FMI2_EXPORT fmi2Status FMI2(GetBoolean)(fmi2Component, const fmi2ValueReference[], size_t, fmi2Boolean[]);
+FMI2_EXPORT fmi2Status FMI2(SetBoolean)(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Boolean[]);
+FMI2_EXPORT fmi2Status FMI2(GetInteger)(fmi2Component, const fmi2ValueReference[], size_t, fmi2Integer[]);
+FMI2_EXPORT fmi2Status FMI2(SetInteger)(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Integer[]);
 FMI2_EXPORT fmi2Status FMI2(SetRealInputDerivatives)(fmi2Component, const fmi2ValueReference[], size_t,
                                                      const fmi2Integer[], const fmi2Real[]);
 FMI2_EXPORT fmi2Status FMI2(GetFMUstate)(fmi2Component, fmi2FMUstate *);
@@ -82,6 +86,10 @@ FMI2_EXPORT fmi2Status FMI2(GetDirectionalDerivative)(fmi2Component, const fmi2V
    instance_port_stiffness of instance.h says; fmi2Discard where the FMU offers none for this step. */
 #define PORT_STIFFNESS FMI2_PREFIXED(FMI2_FUNCTION_PREFIX, fanfoldGetPortStiffness)
 FMI2_EXPORT fmi2Status PORT_STIFFNESS(fmi2Component, size_t ports, fmi2Real stiffness[]);
+/* Not of the standard: from now on fmi2GetReal, fmi2SetReal and fmi2GetDirectionalDerivative of this instance take
+   variables of all types, as numbers, so that a master exchanges all of them in one call. */
+#define ACCEPT_NUMBERS FMI2_PREFIXED(FMI2_FUNCTION_PREFIX, fanfoldAcceptNumbers)
+FMI2_EXPORT fmi2Status ACCEPT_NUMBERS(fmi2Component);
 FMI2_EXPORT fmi2Status FMI2(DoStep)(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
 FMI2_EXPORT fmi2Status FMI2(EnterEventMode)(fmi2Component);
 FMI2_EXPORT fmi2Status FMI2(NewDiscreteStates)(fmi2Component, fmi2EventInfo *);

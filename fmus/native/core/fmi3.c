@@ -126,11 +126,13 @@ FMI3_EXPORT fmi3Status FMI3(Reset)(fmi3Instance instance) {
     CALLED(instance_reset(core));
 }
 
-/* STATUS_OK when the references are those of variables with `scalars` scalars in all, for which there are values. */
-static Status check_sizes(Fmu *fmu, const fmi3ValueReference *references, size_t count, const fmi3Float64 *values,
-                          size_t scalars) {
+/* STATUS_OK when the references are those of variables of a kind, which the host calls `type`, with `scalars` scalars in
+   all, for which there are values. */
+static Status check(Fmu *fmu, VariableKind kind, const char *type, const fmi3ValueReference *references, size_t count,
+                    const void *values, size_t scalars) {
     size_t sum = 0;
-    if (instance_refuse_missing(fmu->instance, references, values, count) != STATUS_OK)
+    if (instance_refuse_missing(fmu->instance, references, values, count) != STATUS_OK ||
+        instance_refuse_other(fmu->instance, kind, type, references, count) != STATUS_OK)
         return STATUS_ERROR;
     for (size_t i = 0; i < count; i++) {
         if (references[i] > fmu->scalars || !fmu->sizes[references[i]])
@@ -159,7 +161,7 @@ FMI3_EXPORT fmi3Status FMI3(GetFloat64)(fmi3Instance instance, const fmi3ValueRe
     Fmu *fmu = fmu_of(instance);
     if (!fmu)
         return fmi3Error;
-    Status status = check_sizes(fmu, references, count, values, value_count);
+    Status status = check(fmu, KIND_REAL, "Float64", references, count, values, value_count);
     for (size_t i = 0, scalars = 0; status == STATUS_OK && i < count; values += scalars) {
         size_t first = references[i];
         i += run_of(fmu, references + i, count - i, &scalars);
@@ -176,7 +178,7 @@ FMI3_EXPORT fmi3Status FMI3(SetFloat64)(fmi3Instance instance, const fmi3ValueRe
     Fmu *fmu = fmu_of(instance);
     if (!fmu)
         return fmi3Error;
-    Status status = check_sizes(fmu, references, count, values, value_count);
+    Status status = check(fmu, KIND_REAL, "Float64", references, count, values, value_count);
     for (size_t i = 0, scalars = 0; status == STATUS_OK && i < count; values += scalars) {
         size_t first = references[i];
         i += run_of(fmu, references + i, count - i, &scalars);
@@ -187,6 +189,39 @@ FMI3_EXPORT fmi3Status FMI3(SetFloat64)(fmi3Instance instance, const fmi3ValueRe
     }
     return (fmi3Status)status;
 }
+
+/* Values that are no real numbers for a host, but are numbers inside. Time is none. */
+#define TYPE_OF_NUMBERS(Type, kind, value_of_number)                                                             \
+    FMI3_EXPORT fmi3Status FMI3(Get##Type)(fmi3Instance instance, const fmi3ValueReference references[],         \
+                                           size_t count, fmi3##Type values[], size_t value_count) {              \
+        Fmu *fmu = fmu_of(instance);                                                                             \
+        if (!fmu)                                                                                                \
+            return fmi3Error;                                                                                    \
+        Status status = check(fmu, kind, #Type, references, count, values, value_count);                         \
+        for (size_t i = 0; status == STATUS_OK && i < count; i++)                                                \
+            for (uint32_t k = 0; status == STATUS_OK && k < fmu->sizes[references[i]]; k++) {                    \
+                double number = 0.0;                                                                             \
+                status = instance_get(fmu->instance, fmu->positions + references[i] + k, 1, &number);            \
+                *values++ = value_of_number;                                                                     \
+            }                                                                                                    \
+        return (fmi3Status)status;                                                                               \
+    }                                                                                                            \
+    FMI3_EXPORT fmi3Status FMI3(Set##Type)(fmi3Instance instance, const fmi3ValueReference references[],         \
+                                           size_t count, const fmi3##Type values[], size_t value_count) {        \
+        Fmu *fmu = fmu_of(instance);                                                                             \
+        if (!fmu)                                                                                                \
+            return fmi3Error;                                                                                    \
+        Status status = check(fmu, kind, #Type, references, count, values, value_count);                         \
+        for (size_t i = 0; status <= STATUS_WARNING && i < count; i++)                                           \
+            for (uint32_t k = 0; status <= STATUS_WARNING && k < fmu->sizes[references[i]]; k++) {               \
+                const double number = *values++;                                                                 \
+                status = instance_set(fmu->instance, fmu->positions + references[i] + k, 1, &number);            \
+            }                                                                                                    \
+        return (fmi3Status)status;                                                                               \
+    }
+
+TYPE_OF_NUMBERS(Int32, KIND_INTEGER, (fmi3Int32)number)
+TYPE_OF_NUMBERS(Boolean, KIND_BOOLEAN, number > 0.5)
 
 FMI3_EXPORT fmi3Status FMI3(GetFMUState)(fmi3Instance instance, fmi3FMUState *state) {
     CALLED(instance_save(core, (SavedState **)state));
@@ -233,9 +268,9 @@ FMI3_EXPORT fmi3Status FMI3(GetDirectionalDerivative)(fmi3Instance instance, con
     if (!fmu)
         return fmi3Error;
     uint32_t *of = fmu->expanded, *by = fmu->expanded + fmu->scalars + 1;
-    Status status = check_sizes(fmu, unknowns, unknown_count, sensitivity, sensitivity_count);
+    Status status = check(fmu, KIND_REAL, "Float64", unknowns, unknown_count, sensitivity, sensitivity_count);
     if (status == STATUS_OK)
-        status = check_sizes(fmu, knowns, known_count, seed, seed_count);
+        status = check(fmu, KIND_REAL, "Float64", knowns, known_count, seed, seed_count);
     if (status == STATUS_OK)
         status = expand(fmu, unknowns, unknown_count, sensitivity_count, of);
     if (status == STATUS_OK)

@@ -7,7 +7,7 @@
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 
-#define NO_TYPE "all variables of this FMU are of type Float64"
+#define NO_TYPE "variables of this FMU are of the types Float64, Boolean and Int32"
 #define NO_CLOCK "this FMU has no clocks"
 #define NO_STRUCTURE "this FMU has no structural parameters"
 #define NO_DEPENDENCIES "dependencies are in the model description; they are not given for each element"
@@ -40,11 +40,9 @@ ABSENT_TYPE(Int8)
 ABSENT_TYPE(UInt8)
 ABSENT_TYPE(Int16)
 ABSENT_TYPE(UInt16)
-ABSENT_TYPE(Int32)
 ABSENT_TYPE(UInt32)
 ABSENT_TYPE(Int64)
 ABSENT_TYPE(UInt64)
-ABSENT_TYPE(Boolean)
 ABSENT_TYPE(String)
 ABSENT_VALUES(GetBinary, NO_TYPE, size_t sizes[], fmi3Binary values[], size_t value_count)
 ABSENT_VALUES(SetBinary, NO_TYPE, const size_t sizes[], const fmi3Binary values[], size_t value_count)

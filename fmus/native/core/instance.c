@@ -161,6 +161,27 @@ Status instance_refuse_missing(Instance *instance, const void *references, const
                          references ? "values" : "value references", (unsigned long)count);
 }
 
+Status instance_refuse_other(Instance *instance, VariableKind kind, const char *type, const uint32_t *references,
+                             size_t count) {
+    static const char *const words[] = {"a real number", "a Boolean", "an integer"};
+    char name[200];
+    if (kind == KIND_REAL && instance->accepts_numbers)
+        return STATUS_OK;
+    for (size_t i = 0; i < count; i++) {
+        if (references[i] >= instance->ends[4]) /* time, or none: said elsewhere */
+            continue;
+        const unsigned char own = instance->kinds[references[i]];
+        if (own == kind)
+            continue;
+        if (references[i] < instance->ends[3])
+            layout_scalar_name(instance, references[i], name, sizeof name);
+        else
+            snprintf(name, sizeof name, "value reference %lu", (unsigned long)references[i]);
+        return instance_fail(instance, STATUS_ERROR, "%s is %s; it has no value of type %s", name, words[own], type);
+    }
+    return STATUS_OK;
+}
+
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values) {
     int parameters = 0, continuous = instance->mode == MODE_CONTINUOUS;
     Status status = STATUS_OK, worst = STATUS_OK;

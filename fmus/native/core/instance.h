@@ -64,6 +64,8 @@ typedef struct {
     size_t ends[5], states;
     double *values, *minimum, *maximum;
     unsigned char *tunable; /* of parameters and inputs: changes at events only */
+    unsigned char *kinds;   /* of all values, as VariableKind */
+    int accepts_numbers;    /* values of every kind may be read and written as real ones */
     double *x, *before;
     double step_size, time, stop_time;
     double complex *complex_inputs, *complex_state, *complex_outputs;
@@ -103,6 +105,9 @@ Status instance_terminate(Instance *instance);
 
 /* STATUS_OK where there are arrays for so many variables. */
 Status instance_refuse_missing(Instance *instance, const void *references, const void *values, size_t count);
+/* STATUS_OK where all variables are of a kind, which the host calls `type`, or may be read and written as such. */
+Status instance_refuse_other(Instance *instance, VariableKind kind, const char *type, const uint32_t *references,
+                             size_t count);
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values);
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values);
 

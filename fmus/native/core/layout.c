@@ -107,7 +107,8 @@ int layout_read(Instance *instance, Reason *why) {
     instance->minimum = allocate(&instance->memory, (instance->sizes.parameters + 1) * sizeof(double));
     instance->maximum = allocate(&instance->memory, (instance->sizes.parameters + 1) * sizeof(double));
     instance->tunable = allocate(&instance->memory, instance->ends[1] + 1);
-    if (!instance->values || !instance->minimum || !instance->maximum || !instance->tunable)
+    instance->kinds = allocate(&instance->memory, total + 1);
+    if (!instance->kinds || !instance->values || !instance->minimum || !instance->maximum || !instance->tunable)
         return refuse(why, "no memory for %lu values", (unsigned long)total);
     Variable variable;
     for (int group = 0; group < 4; group++) {
@@ -117,6 +118,7 @@ int layout_read(Instance *instance, Reason *why) {
                 continue;
             if (variable.offset > size || variable.size > size - variable.offset)
                 return refuse(why, "%s %.100s lies outside of what is declared", GROUPS[group], variable.name);
+            memset(instance->kinds + variable.offset + (group ? instance->ends[group - 1] : 0), variable.kind, variable.size);
             for (size_t k = variable.offset; group < 2 && k < variable.offset + variable.size; k++) {
                 instance->tunable[k + (group ? instance->ends[0] : 0)] = (unsigned char)variable.tunable;
                 if (group)

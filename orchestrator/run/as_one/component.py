@@ -49,9 +49,14 @@ _TOLD = (
         "1",
         "Steps that the master has made, some of them ahead of the communication point",
         variability="discrete",
+        kind="integer",
     ),
     Quantity(
-        "rejected_steps", "1", "Steps that it has made again with a smaller size", variability="discrete"
+        "rejected_steps",
+        "1",
+        "Steps that it has made again with a smaller size",
+        variability="discrete",
+        kind="integer",
     ),
 )
 """Outputs that come first, in the order of native/coupling/assembly.c."""
@@ -93,6 +98,7 @@ _MEETS_RATES = Quantity(
     minimum=0.0,
     maximum=1.0,
     variability="fixed",
+    kind="boolean",
 )
 """Of a driven base, the last parameter but one."""
 _INITIAL = "initial_"

@@ -82,6 +82,8 @@ HAND_ON(fmi2GetDirectionalDerivative,
         (c, of, n, by, m, d, y))
 HAND_ON(fanfoldGetPortStiffness, (void *c, size_t n, double *y), (c, n, y))
 
+HAND_ON(fanfoldAcceptNumbers, (void *c), (c))
+
 void fmi2FreeInstance(void *c) {
     if (is("crash_in_fmi2FreeInstance")) crash();
     SOUND(void (*)(void *), "fmi2FreeInstance")(c);

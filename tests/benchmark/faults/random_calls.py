@@ -13,6 +13,7 @@ from __future__ import annotations
 import shutil
 from argparse import ArgumentParser
 from collections import Counter
+from ctypes import c_void_p
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -53,6 +54,7 @@ class Caller:
             fmi2CallbackLoggerTYPE(lambda *said: None), Allocate(calloc), Free(free)
         )
         self.fmu.instantiate(callbacks=self.callbacks)
+        self.fmu.dll.fanfoldAcceptNumbers(c_void_p(self.fmu.component))
         variables = self.description.modelVariables
         self.outputs = [v.valueReference for v in variables if v.causality == "output"]
         self.settable = [v.valueReference for v in variables if v.causality != "output"]

@@ -109,7 +109,7 @@ def loaded(
     with TemporaryDirectory(prefix="fanfold_") as folder:
         simulation = CoSimulation(assembly, export(assembly, Path(folder), backend), h, until)
         for hinge in hinges:
-            for name in ("latch_torque", "latched"):
+            for name in ("latch_torque", "latch_distance"):
                 simulation.watch(hinge, name)
         yield simulation, hinges
 
@@ -136,11 +136,12 @@ def co_simulate(assembly: Assembly, backend: Backend, h: float, until: float) ->
 
 
 def _of_line(simulation: CoSimulation, hinges: Sequence[str], wall: float, steps: int) -> Trial:
-    times, latched = simulation.signal(hinges[0], "latched")
+    times, distance = simulation.signal(hinges[0], "latch_distance")
+    reached = distance <= 0.0
     torque = np.abs(sum(simulation.signal(hinge, "latch_torque")[1] for hinge in hinges))
-    if not latched.any():
+    if not reached.any():
         return Trial(np.nan, np.nan, wall, steps)
-    return Trial(float(times[latched.argmax()]), crest(times, torque), wall, steps)
+    return Trial(float(times[reached.argmax()]), crest(times, torque), wall, steps)
 
 
 class Cost(NamedTuple):

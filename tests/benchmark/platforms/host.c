@@ -71,6 +71,7 @@ int main(int count, char **words) {
     Step *step = (Step *)FIND(library, "fmi2DoStep");
     void *fmu = ((Instantiate *)FIND(library, "fmi2Instantiate"))("one", 1, words[3], words[2], &callbacks, 0, 0);
     require(fmu != NULL, "fmi2Instantiate");
+    require(!((Plain *)FIND(library, "fanfoldAcceptNumbers"))(fmu), "fanfoldAcceptNumbers");
     require(!((Setup *)FIND(library, "fmi2SetupExperiment"))(fmu, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment");
     require(!((Plain *)FIND(library, "fmi2EnterInitializationMode"))(fmu), "fmi2EnterInitializationMode");
     require(!((Plain *)FIND(library, "fmi2ExitInitializationMode"))(fmu), "fmi2ExitInitializationMode");

@@ -43,6 +43,7 @@ def stepped(library: Path, resources: Path, guid: str, task: bytes) -> bytes:
     callbacks = put(bytes(20))  # functions of the host are optional, of which these are none
     fmu = call("fmi2Instantiate", texts[0], 1, texts[1], texts[2], callbacks, 0, 0)
     assert fmu, "fmi2Instantiate failed"
+    done("fanfoldAcceptNumbers", fmu)
     done("fmi2SetupExperiment", fmu, 0, 0.0, 0.0, 0, 0.0)
     done("fmi2EnterInitializationMode", fmu)
     done("fmi2ExitInitializationMode", fmu)

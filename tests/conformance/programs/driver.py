@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from ctypes import c_void_p
 from functools import cache
 from pathlib import Path
 
@@ -53,11 +54,14 @@ def unpacked(path):
 
 
 class Fmu:
-    """One instance; every call returns the FMI status, `log` holds what it said."""
+    """One instance; every call returns the FMI status, `log` holds what it said.
+
+    numbers: whether Booleans and integers are read and written as real numbers, as masters of Fanfold do.
+    """
 
     interface = FMU2Slave
 
-    def __init__(self, path, instance="instance"):
+    def __init__(self, path, instance="instance", numbers=True):
         self.description = read_model_description(path, validate=False)
         self.log = []
         self._logger = fmi2CallbackLoggerTYPE(self._append)
@@ -72,6 +76,8 @@ class Fmu:
             instanceName=instance,
         )
         self.slave.instantiate(callbacks=self._callbacks, loggingOn=True)
+        if numbers and hasattr(self.slave.dll, "fanfoldAcceptNumbers"):
+            self.slave.dll.fanfoldAcceptNumbers(c_void_p(self.slave.component))
         self.slave.setupExperiment(startTime=0.0)
         self.slave.enterInitializationMode()
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from itertools import groupby
 
 import numpy as np
 from fmpy import read_model_description
 from fmpy.fmi3 import FMU3Slave
 
 from tests.conformance.programs.driver import OK, Fmu, unpacked
+
+_CONVERT = {"Float64": float, "Int32": int, "Boolean": lambda value: value > 0.5}
 
 
 class Slave(FMU3Slave):
@@ -32,6 +35,7 @@ class Fmu3(Fmu):
         self.log = []
         self.variables = [v for v in self.description.modelVariables if v.causality != "independent"]
         self.sizes = {v.valueReference: math.prod(v.shape) for v in self.description.modelVariables}
+        self.types = {v.valueReference: v.type for v in self.description.modelVariables}
         self.slave = Slave(
             guid=self.description.guid,
             unzipDirectory=unpacked(path),
@@ -57,19 +61,38 @@ class Fmu3(Fmu):
 
     def get(self, first, size):
         references, start = self.covering(first, size)
-        values = self.slave.getFloat64(references, sum(self.sizes[r] for r in references)) if size else []
-        return np.array(values)[first - start : first - start + size]
+        return self._whole(references)[first - start : first - start + size]
+
+    def _whole(self, references):
+        values = []
+        for kind, group in self._groups(references):
+            values += getattr(self.slave, f"get{kind}")(group, sum(self.sizes[r] for r in group))
+        return np.array(values, dtype=float)
+
+    def _groups(self, references):
+        """References in a row of variables of one type."""
+        for kind, group in groupby(references, key=self.types.__getitem__):
+            yield kind, list(group)
 
     def set(self, first, values):
         """Scalars that are a part of an array are set with the others as they are."""
         references, start = self.covering(first, len(values))
-        whole = np.array(self.slave.getFloat64(references, sum(self.sizes[r] for r in references)))
+        whole = self._whole(references)
         whole[first - start : first - start + len(values)] = values
-        return self.call("setFloat64", references, whole.tolist())
+        return self.put_all(references, whole.tolist())
+
+    def put_all(self, references, values):
+        """The worst status."""
+        worst = OK
+        for kind, group in self._groups(references):
+            count = sum(self.sizes[r] for r in group)
+            own, values = values[:count], values[count:]
+            worst = max(worst, self.call(f"set{kind}", group, [_CONVERT[kind](value) for value in own]))
+        return worst
 
     def value(self, name):
         found = self.get(self.reference(name), self.sizes[self.reference(name)])
         return found[0] if found.size == 1 else found
 
     def put(self, name, *values):
-        assert self.call("setFloat64", [self.reference(name)], values) == OK, self.log
+        assert self.put_all([self.reference(name)], values) == OK, self.log

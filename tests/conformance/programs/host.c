@@ -18,11 +18,14 @@ typedef struct {
     double *values, *inputs_at_start, *seed;
 } Layout;
 
-static void start(fmi2Component fmu, const Layout *layout) {
+/* is_new: whether it was never started before. */
+static void start(fmi2Component fmu, const Layout *layout, int is_new) {
     expect(fmi2DoStep(fmu, 0.0, 1e-3, 1), fmi2Error, "a step before initialization");
     expect(fmi2SetupExperiment(fmu, 0, 0.0, 0.0, 0, 0.0), fmi2OK, "setup");
     expect(fmi2EnterInitializationMode(fmu), fmi2OK, "enter initialization");
     expect(fmi2EnterInitializationMode(fmu), fmi2Error, "enter initialization twice");
+    if (is_new)
+        check_types(fmu, layout->all);
     expect(fmi2GetReal(fmu, layout->references, layout->all, layout->values), fmi2OK, "get in initialization");
     memcpy(layout->inputs_at_start, layout->values + layout->parameters, layout->inputs * sizeof(double));
     expect(fmi2ExitInitializationMode(fmu), fmi2OK, "exit initialization");
@@ -126,13 +129,13 @@ int main(int count, char **arguments) {
                 continue;
             made++;
             if (count == 8) {
-                start(fmu, &layout);
+                start(fmu, &layout, 1);
                 misuse(fmu, &layout);
                 drive(fmu, &layout);
                 expect(fmi2Terminate(fmu), fmi2OK, "terminate");
                 expect(fmi2Terminate(fmu), fmi2Error, "terminate twice");
                 expect(fmi2Reset(fmu), fmi2OK, "reset");
-                start(fmu, &layout);
+                start(fmu, &layout, 0);
             } else if (fmi2SetupExperiment(fmu, 0, 0.0, 0.0, 0, 0.0) == fmi2OK &&
                        fmi2EnterInitializationMode(fmu) == fmi2OK && fmi2ExitInitializationMode(fmu) == fmi2OK) {
                 fmi2DoStep(fmu, 0.0, 1e-3, 1);

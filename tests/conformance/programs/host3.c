@@ -25,6 +25,10 @@ fmi3Status fmi3Terminate(fmi3Instance);
 fmi3Status fmi3Reset(fmi3Instance);
 fmi3Status fmi3GetFloat64(fmi3Instance, const fmi3ValueReference[], size_t, fmi3Float64[], size_t);
 fmi3Status fmi3SetFloat64(fmi3Instance, const fmi3ValueReference[], size_t, const fmi3Float64[], size_t);
+fmi3Status fmi3GetBoolean(fmi3Instance, const fmi3ValueReference[], size_t, fmi3Boolean[], size_t);
+fmi3Status fmi3SetBoolean(fmi3Instance, const fmi3ValueReference[], size_t, const fmi3Boolean[], size_t);
+fmi3Status fmi3GetInt32(fmi3Instance, const fmi3ValueReference[], size_t, fmi3Int32[], size_t);
+fmi3Status fmi3SetInt32(fmi3Instance, const fmi3ValueReference[], size_t, const fmi3Int32[], size_t);
 fmi3Status fmi3GetFMUState(fmi3Instance, fmi3FMUState *);
 fmi3Status fmi3SetFMUState(fmi3Instance, fmi3FMUState);
 fmi3Status fmi3FreeFMUState(fmi3Instance, fmi3FMUState *);
@@ -67,10 +71,16 @@ static fmi3Status update(fmi3Instance fmu) {
 /* Reads every value reference, the ones there are not included, with every number of values. */
 static void try_references(fmi3Instance fmu, uint32_t scalars) {
     double values[MOST_VALUES] = {0.0}, seed[MOST_VALUES] = {1.0};
+    fmi3Boolean truths[MOST_VALUES] = {false};
+    fmi3Int32 wholes[MOST_VALUES] = {0};
     for (uint32_t reference = 0; reference < scalars + 3; reference++)
         for (size_t count = 0; count < 8; count++) {
             if (fmi3GetFloat64(fmu, &reference, 1, values, count) == fmi3OK)
                 (void)fmi3SetFloat64(fmu, &reference, 1, values, count);
+            if (fmi3GetBoolean(fmu, &reference, 1, truths, count) == fmi3OK)
+                (void)fmi3SetBoolean(fmu, &reference, 1, truths, count);
+            if (fmi3GetInt32(fmu, &reference, 1, wholes, count) == fmi3OK)
+                (void)fmi3SetInt32(fmu, &reference, 1, wholes, count);
             (void)fmi3GetDirectionalDerivative(fmu, &reference, 1, &reference, 1, seed, count, values, count);
         }
     const fmi3ValueReference twice[2] = {scalars, scalars};

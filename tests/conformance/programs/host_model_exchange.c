@@ -19,13 +19,16 @@ typedef struct {
     double *values, *inputs_at_start, *seed, *x, *rates, *z;
 } Layout;
 
-static void start(fmi2Component fmu, const Layout *layout) {
+/* is_new: whether it was never started before. */
+static void start(fmi2Component fmu, const Layout *layout, int is_new) {
     fmi2EventInfo info;
     fmi2Boolean enter = 0, terminate = 0;
     expect(fmi2GetDerivatives(fmu, layout->rates, layout->states), fmi2Error, "rates before initialization");
     expect(fmi2GetNominalsOfContinuousStates(fmu, layout->x, layout->states), fmi2OK, "nominals");
     expect(fmi2SetupExperiment(fmu, 0, 0.0, 0.0, 0, 0.0), fmi2OK, "setup");
     expect(fmi2EnterInitializationMode(fmu), fmi2OK, "enter initialization");
+    if (is_new)
+        check_types(fmu, layout->all);
     expect(fmi2GetReal(fmu, layout->references, layout->all, layout->values), fmi2OK, "get in initialization");
     memcpy(layout->inputs_at_start, layout->values + layout->parameters, layout->inputs * sizeof(double));
     expect(fmi2GetDerivatives(fmu, layout->rates, layout->states), fmi2OK, "rates in initialization");
@@ -166,12 +169,12 @@ int main(int count, char **arguments) {
                 continue;
             made++;
             if (count == 10) {
-                start(fmu, &layout);
+                start(fmu, &layout, 1);
                 drive(fmu, &layout);
                 expect(fmi2Terminate(fmu), fmi2OK, "terminate");
                 expect(fmi2Terminate(fmu), fmi2Error, "terminate twice");
                 expect(fmi2Reset(fmu), fmi2OK, "reset");
-                start(fmu, &layout);
+                start(fmu, &layout, 0);
             } else if (fmi2SetupExperiment(fmu, 0, 0.0, 0.0, 0, 0.0) == fmi2OK &&
                        fmi2EnterInitializationMode(fmu) == fmi2OK && fmi2ExitInitializationMode(fmu) == fmi2OK &&
                        fmi2EnterContinuousTimeMode(fmu) == fmi2OK) {

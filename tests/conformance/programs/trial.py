@@ -30,6 +30,8 @@ AGREEMENT = 1e-11
 CANCELLED = 1e-3
 """Quantities below it are what is left of sums of terms of order one; first moments, of a tenth of a step's travel."""
 MOMENT = 1e-4
+TRUE = 0.5
+"""Numbers above it are true."""
 
 
 def pair(kind, path, instance="instance"):
@@ -201,10 +203,26 @@ def check_failures(kind, path):
         refuse_state(fmu, strange)
     for damaged in damaged_states(fmu, rng):
         refuse_state(fmu, damaged)
-    said(fmu, fmu.call("getInteger", [0]), FAILED, "of type Real")
+    said(fmu, fmu.call("getInteger", [0]), FAILED, "a real number")
+    try_booleans(fmu)
     for _ in range(3):
         advance(fmu, reference, rng)
         same(fmu, reference, "after refused calls")
+
+
+def try_booleans(fmu):
+    """Read by their own functions, set and set back; other types are refused."""
+    for v in fmu.description.modelVariables:
+        if v.type != "Boolean":
+            continue
+        r = [v.valueReference]
+        said(fmu, fmu.call("getInteger", r), FAILED, v.name, "a Boolean")
+        before = fmu.slave.getReal(r)
+        assert fmu.slave.getBoolean(r) == [before[0] > TRUE]
+        if v.causality == "input":
+            assert fmu.call("setBoolean", r, [before[0] <= TRUE]) == OK
+            assert fmu.slave.getReal(r) == [float(before[0] <= TRUE)]
+            assert fmu.set(r[0], before) == OK
 
 
 def damaged_states(fmu, rng):

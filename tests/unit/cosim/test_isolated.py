@@ -18,6 +18,7 @@ from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import RunError, as_fmus, export, run
 from tests.benchmark.faults.fmus import SCENE, UNTIL, Broken, answer, loader, wing
+from tests.conformance.test_check import spoiled
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="nothing was compiled here")
 linux = pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
@@ -162,3 +163,26 @@ def test_fmus_do_not_outlive_their_run(tmp_path):
     going.kill()
     going.wait()
     wait_for(lambda: not any(Path(f"/proc/{one}/cmdline").exists() for one in found))
+
+
+def test_booleans_and_integers_of_another_tool(folder, tmp_path):
+    """FMI 2.0, 2.1.7: values have functions by type. Bit-identical to the same FMU, whose functions take numbers.
+
+    Its description lacks what Fanfold adds, as that of another tool does.
+    """
+    sound = next(path for path in export(wing(), folder / "typed") if path.stem == "root")
+    annotated = rb"<(Numbers|DirectionalDerivative)[^>]*>"
+    plain = spoiled(sound, tmp_path, "modelDescription.xml", annotated, b"")
+    found = []
+    for path in (sound, plain):
+        one = FmuParticipant("root", path, {"order": 4.0, "latch_automatic": 0.0})
+        one.inputs[one.input_layout["latch_command"]] = 1.0
+        one.initialize(0.0)
+        one.do_step(0.0, 1e-3)
+        one.read()
+        found.append((one.outputs.copy(), one.observe().copy()))
+        assert one.outputs[one.output_layout["latched"]] == 1.0
+        assert one.input_layout.quantities[-1].kind == "real"
+        one.close()
+    assert np.array_equal(found[0][0], found[1][0])
+    assert np.array_equal(found[0][1], found[1][1])

@@ -36,7 +36,7 @@ def test_an_importer_finds_words_and_pictures(exported, fmi, pictures):
         page = archive.read("documentation/index.html").decode()
         assert all(archive.read(picture).startswith(b"\x89PNG") for picture in pictures)
     assert {name: root.get(name) for name in TOLD} == TOLD
-    assert all(text in page for text in (*TOLD.values(), "latch_command", root.get("modelName")))
+    assert all(text in page for text in (*TOLD.values(), "latch_command", "Boolean", root.get("modelName")))
 
 
 def test_angles_are_shown_in_degrees(exported):

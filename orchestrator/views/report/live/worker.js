@@ -85,6 +85,7 @@ const run = async (module, { bytes, token, first, width, until, points }, told) 
   const done = (name, time, ...values) => {
     if (library[name](fmu, ...values) > WARNING) throw new Error(`the run cannot go on at ${time.toFixed(3)} s with these values`);
   };
+  done("fanfoldAcceptNumbers", 0);
   done("fmi2SetupExperiment", 0, 0, 0, 0, 0, 0);
   done("fmi2EnterInitializationMode", 0);
   done("fmi2ExitInitializationMode", 0);

@@ -72,6 +72,7 @@ class Host:
         self.description = fmpy.read_model_description(str(path))
         identifier = self.description.coSimulation.modelIdentifier
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self._types = {v.name: v.type for v in self.description.modelVariables}
         self.outputs = [v.name for v in self.description.modelVariables if v.causality == "output"]
         self.fmu = FMU2Slave(
             guid=self.description.guid,
@@ -105,12 +106,23 @@ class Host:
         return self
 
     def __getitem__(self, name):
-        return self.fmu.getReal([self.references[name]])[0]
+        return getattr(self.fmu, f"get{self._types[name]}")([self.references[name]])[0]
 
     def __setitem__(self, name, value):
-        self.fmu.setReal([self.references[name]], [value])
+        kind = self._types[name]
+        convert = float if kind in ("Real", "Float64") else int
+        getattr(self.fmu, f"set{kind}")([self.references[name]], [convert(value)])
+
+    def read(self, names):
+        """Values of variables of any type as numbers, shape (len(names),)."""
+        values = np.zeros(len(names))
+        for kind in ("Real", "Boolean", "Integer"):
+            places = [i for i, name in enumerate(names) if self._types[name] == kind]
+            references = [self.references[names[i]] for i in places]
+            values[places] = getattr(self.fmu, f"get{kind}")(references) if places else []
+        return values
 
     def all(self):
         """Every output but counts of steps, which tell how far the master is ahead."""
         names = [name for name in self.outputs if name not in ("steps", "rejected_steps")]
-        return np.array(self.fmu.getReal([self.references[name] for name in names]))
+        return self.read(names)

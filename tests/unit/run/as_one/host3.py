@@ -15,6 +15,7 @@ class Host3:
         description = fmpy.read_model_description(str(path))
         self.interface = description.coSimulation
         self._references = {v.name: v.valueReference for v in description.modelVariables}
+        self._types = {v.name: v.type for v in description.modelVariables}
         self.fmu = FMU3Slave(
             guid=description.guid,
             unzipDirectory=unpacked(str(path)).name,
@@ -51,7 +52,9 @@ class Host3:
         return self._references[name]
 
     def __getitem__(self, name):
-        return self.fmu.getFloat64([self._references[name]])[0]
+        return getattr(self.fmu, f"get{self._types[name]}")([self._references[name]])[0]
 
     def __setitem__(self, name, value):
-        self.fmu.setFloat64([self._references[name]], [value])
+        kind = self._types[name]
+        convert = float if kind in ("Real", "Float64") else int
+        getattr(self.fmu, f"set{kind}")([self._references[name]], [convert(value)])

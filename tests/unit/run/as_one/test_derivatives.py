@@ -100,9 +100,12 @@ def test_asking_changes_nothing(path):
 
 
 def test_what_does_not_act_over_the_step_has_none(path):
-    """Commands act by a threshold; what is read at a communication point depends on no input there."""
+    """What is read at a communication point depends on no input there; Booleans have no derivatives."""
     host = stepped(path, 0.3, 0.01)
-    assert not derivatives(host, MESSAGES, "HL.latch_command").any()
+    with pytest.raises(FMICallException):
+        derivatives(host, MESSAGES, "HL.latch_command")
+    with pytest.raises(FMICallException):
+        derivatives(host, ["HL.latched"], TORQUE)
     host.fmu.setFMUstate(host.fmu.getFMUstate())
     assert not derivatives(host, MESSAGES, "base.acceleration[3]").any()
 
