@@ -4,7 +4,8 @@ $$ T = -k\, s - c\, \dot s,\qquad s = \varphi_1 - r\, q_2 - (\varphi_1 - r\, q_2
 
 on the first body, and $-r T$ on the second, with the angle $\varphi_1$ and the angle or distance $q_2$, both relative
 to the carrier. A rack or a screw has a distance. The ratio is negative for an external pair. With a carrier for each
-body it is a coupler of any two joints: each carrier takes the reaction of its own body.
+body it is a coupler of any two joints: each carrier takes the reaction of its own body. With play (backlash) the law is
+that of the deflection beyond it, see `numerics.clearance`; a gear starts in the middle of its play.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from .contract.frames import Quaternion, Vector3, nearest_turn, rotate
 from .contract.ports import WRENCH_SIZE, PortMoments, PortMotion
 from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, LOAD, NUMERICAL_DISSIPATION, ORDER, POTENTIAL_ENERGY
+from .numerics.clearance import Clearance
 from .numerics.fourth_order_correction import memories_after, stiff_load
 from .numerics.interval_mean import MidStep
 from .numerics.relative_motion import (
@@ -30,7 +32,7 @@ from .numerics.relative_motion import (
     relative_pose,
     relative_rates,
 )
-from .numerics.stiff_coordinate import Memory, StepMotion
+from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 
 _MOTIONS = ("rotation", "translation")
 _BODIES = (1, 2)
@@ -44,6 +46,7 @@ class _Parameters(NamedTuple):
     ]
     stiffness: Annotated[float, tunable("N.m/rad", "Torque on the first body per angle", 2e4, 0.0)]
     damping: Annotated[float, tunable("N.m.s/rad", "Torque on the first body per rate", 2.0, 0.0)]
+    play: Annotated[float, tunable("rad", "Backlash of the first body either way, without torque", 0.0, 0.0)]
     order: Annotated[float, ORDER]
 
 
@@ -173,7 +176,7 @@ class Gear(Connection[_Parameters, _State, Impulse]):
         motion = StepMotion(before, after, h, s.memory, moment)
         if self.endpoint:
             motion = motion.without_inertia()
-        load = stiff_load(c.stiffness, c.damping, motion, is_paired=is_paired)
+        load = _load(c, motion, is_paired)
         pairs = [
             passage.wrenches(
                 *self._loads(i, share * load.force, swing), *self._loads(i, share * load.slope, swing)
@@ -232,13 +235,13 @@ class Gear(Connection[_Parameters, _State, Impulse]):
         """At the communication point."""
         (first, second), deflection, rate = self._deflection(c, s, u)
         torque = _torque(c, deflection, rate if self.endpoint else s.slide.now())
-        stored = 0.5 * c.stiffness * deflection * deflection
+        stored = _beyond_play(c).potential((deflection,))
         return _Observations(first.coordinate, second.coordinate, torque, stored, s.heat, s.numerical)
 
     def powers(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Heat (W) of the damper."""
-        _, _, rate = self._deflection(c, s, u)
-        return (c.damping * rate * rate,)
+        _, deflection, rate = self._deflection(c, s, u)
+        return (_beyond_play(c).heat((deflection,), (rate,)) if c.play else c.damping * rate * rate,)
 
     def follow(self, c: _Parameters, s: _State, u: Inputs[Impulse], at_event: bool) -> _State:
         """Follow the angles."""
@@ -266,4 +269,17 @@ def _middle(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, floa
 
 def _torque(c: _Parameters, deflection: float, rate: float) -> float:
     """Torque (N.m) on the first body."""
+    if c.play:
+        return _beyond_play(c).force((deflection,), (rate,))[0]
     return -c.stiffness * deflection - c.damping * rate
+
+
+def _load(c: _Parameters, motion: StepMotion, is_paired: bool) -> MeanLoad:
+    """Load on the deflection over a step."""
+    if c.play:
+        return _beyond_play(c).loads((motion,), is_paired=is_paired)[0]
+    return stiff_load(c.stiffness, c.damping, motion, is_paired=is_paired)
+
+
+def _beyond_play(c: _Parameters) -> Clearance:
+    return Clearance((0,), c.play, c.stiffness, c.damping)

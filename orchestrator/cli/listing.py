@@ -139,7 +139,7 @@ def _describe(kind: type[Component]) -> None:
         if example.ports[0].side == "connection"
         else "receive a wrench and return motion"
     )
-    varies = "set by its structure, such as" if kind.ports_vary else ""
+    varies = "set by its structure, such as " if kind.ports_vary else ""
     console.print(f"ports: {varies}{ports}; they {side}\n", highlight=False)
     structure = [
         (key.name, "needed" if key.default is Parameter.empty else repr(key.default))

@@ -2,7 +2,7 @@
 
 #include "gear_layout.h"
 #include "connection.h"
-#include "workless.h"
+#include "clearance.h"
 
 enum { BODIES = 2, SEAT_GAP = 4, SEAT_SWING = 7, SEAT_COORDINATE = 9, SEAT_SIZE = 10 };
 
@@ -10,6 +10,7 @@ typedef struct Gear {
     Connection base;
     int slides[BODIES], carriers[BODIES]; /* whether a body slides, and the port that carries it */
     double axis_frames[BODIES][4];
+    Clearance play;
 } Gear;
 
 /* A body on its carrier: frame of its axis, gap from the carrier, tilt, angle or distance and its rate. */
@@ -125,7 +126,12 @@ static inline real deflection_rate(const Gear *gear, const Seat *now) {
 
 /* Torque on the first body. */
 static inline real torque_of(const Gear *gear, real deflection, real rate) {
-    return -gear->base.p[P_STIFFNESS] * deflection - gear->base.p[P_DAMPING] * rate;
+    real torque = 0.0;
+    if (gear->play.size > 0.0)
+        add_clearance_force(&gear->play, &deflection, &rate, &torque);
+    else
+        torque = -gear->base.p[P_STIFFNESS] * deflection - gear->base.p[P_DAMPING] * rate;
+    return torque;
 }
 
 /* One step: the mean torque on both bodies and their carriers. */
@@ -141,7 +147,11 @@ int NAME(gear_step)(void *self, const double *x, const real *u, double h, real *
     StepMotion motion = step_motion(x + X_MEMORY, before, deflection_of(gear, now) - x[X_START], h);
     if (paired) motion.moment = deflection_moment(gear, x, u, now);
     if (gear->base.endpoint) leave_inertia_out(&motion);
-    MeanLoad load = paired ? workless_spring(stiffness, damping, &motion) : bushing_load(stiffness, damping, &motion);
+    MeanLoad load;
+    if (gear->play.size > 0.0)
+        clearance_loads(&gear->play, &motion, paired, &load);
+    else
+        load = paired ? workless_spring(stiffness, damping, &motion) : bushing_load(stiffness, damping, &motion);
     store_gear_load(gear, x, now, &load, paired, x_next);
     for (int i = 0; i < BODIES; i++) store_seat(now + i, x_next + X_SEATS + i * SEAT_SIZE);
     if (impulse) {
@@ -184,8 +194,11 @@ int NAME(gear_rates)(void *self, const real *raw, const real *x, const real *u, 
     Seat now[BODIES];
     for (int i = 0; i < BODIES; i++)
         now[i] = seat_of(gear, i, u, value_of(x[X_SEATS + i * SEAT_SIZE + SEAT_COORDINATE]));
-    real rate = deflection_rate(gear, now);
-    rates[0] = gear->base.p[P_DAMPING] * rate * rate;
+    real rate = deflection_rate(gear, now), deflection = deflection_of(gear, now) - x[X_START], torque = 0.0;
+    if (gear->play.size > 0.0)
+        rates[0] = add_clearance_force(&gear->play, &deflection, &rate, &torque);
+    else
+        rates[0] = gear->base.p[P_DAMPING] * rate * rate;
     return 1;
 }
 
@@ -207,6 +220,7 @@ static void *gear_create(const Data *data, const Sizes *sizes, Memory *memory, s
 
 static int gear_prepare(void *self, const double *p, Reason *why) {
     if (p[P_RATIO] == 0.0) return refuse(why, "ratio is 0; a gear has another ratio, negative for an external pair");
+    ((Gear *)self)->play = (Clearance){.count = 1, .size = p[P_PLAY], .stiffness = p[P_STIFFNESS], .damping = p[P_DAMPING]};
     return prepare_connection(self, p, p[P_ORDER], why);
 }
 
@@ -233,7 +247,7 @@ static void gear_observe(void *self, const double *x, const double *u, double *z
     z[Z_FIRST_ANGLE] = now[0].coordinate;
     z[Z_SECOND_COORDINATE] = now[1].coordinate;
     z[Z_GEAR_TORQUE] = torque_of(gear, deflection, felt);
-    z[Z_POTENTIAL_ENERGY] = 0.5 * gear->base.p[P_STIFFNESS] * deflection * deflection;
+    z[Z_POTENTIAL_ENERGY] = clearance_potential(&gear->play, &deflection);
     z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
 }

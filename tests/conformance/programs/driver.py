@@ -26,6 +26,8 @@ from tests.conformance.programs.toy import Toy
 KINDS = {**REGISTRY, Toy.kind: Toy}
 TYPICAL = {"N/m": 2e6, "N.s/m": 170.0, "N.m/rad": 2e3, "N.m.s/rad": 1.5, "m": 0.02, "m/s2": 1.6, "rad": 0.3}
 """Values of a hinge or loop by unit, for parameters that are zero by default."""
+LOOSE, PLAY = ("clearance", "play"), 2e-3
+"""Endings of the names of parameters (m, rad) within which there is no load; random motions are larger."""
 LOADS = {"N": 20.0, "N.m": 5.0, "m/s3": 1e3, "rad/s3": 1e3}
 """Random forces and torques, means and slopes, and rates of accelerations."""
 OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
@@ -184,7 +186,8 @@ class Reference:
                 place = self.component.parameter_layout[quantity.name]
                 factors = 1.0 + 0.01 * rng.random(quantity.size)
                 p[place] = np.clip(p[place] * factors, quantity.minimum, quantity.maximum)
-                values = np.where(p[place] == 0.0, TYPICAL.get(quantity.unit, 0.1) * factors, p[place])
+                usual = PLAY if quantity.name.endswith(LOOSE) else TYPICAL.get(quantity.unit, 0.1)
+                values = np.where(p[place] == 0.0, usual * factors, p[place])
                 typical[quantity.name] = place, np.clip(values, quantity.minimum, quantity.maximum)
         for place, values in typical.values():
             before = p[place].copy()

@@ -6,6 +6,7 @@ import pytest
 import orchestrator as fanfold
 from components.contract.component import ComponentError
 from components.gear import Gear
+from tests.references.closed_forms import bouncing
 from tests.references.relative_motion import (
     angular_momentum,
     inputs,
@@ -18,13 +19,15 @@ from tests.references.relative_motion import (
 from tests.unit.components.prepared import prepared
 
 
-@pytest.mark.parametrize(("motion", "ports"), [("rotation", 3), ("translation", 3), ("rotation", 4)])
+@pytest.mark.parametrize(
+    ("motion", "ports", "play"), [("rotation", 3, 0.0), ("translation", 3, 0.0), ("rotation", 4, 1e-3)]
+)
 @pytest.mark.parametrize("order", [2.0, 4.0])
-def test_work_and_momentum_of_a_step(motion, ports, order):
+def test_work_and_momentum_of_a_step(motion, ports, play, order):
     """Momentum is exact for any motion of all ports, work but for the square of a port's turn, 0.03 rad."""
     rng = np.random.default_rng(5)
     component = Gear((0.0, 1.0, 0.0), (0.6, 0.0, 0.8), motion, ports == 4)
-    c = prepared(component, ratio=-1.7, stiffness=300.0, damping=4.0, order=order)
+    c = prepared(component, ratio=-1.7, stiffness=300.0, damping=4.0, order=order, play=play)
     states = []
     tilts = 0.1 * rng.normal(size=(ports, 3))
     for k in range(3):
@@ -96,6 +99,33 @@ def test_a_train_turns_as_one_inertia():
     assert run["to_bevel", "second_coordinate"][-1] == pytest.approx(-turned / 2, abs=1e-5)
     assert run["to_rack", "second_coordinate"][-1] - 0.1 == pytest.approx(turned * 0.05, abs=1e-6)
     assert run["to_rack", "gear_torque"][-1] == pytest.approx(-0.5 * 3 * 0.05**2 / inertia, rel=1e-3)
+    assert run.headline.energy_residual < 1e-6
+
+
+def test_wheels_knock_in_their_backlash():
+    """Closed form: the deflection bounces at its rate between springs on the inertia 1 / (1 / J1 + r^2 / J2)."""
+    scene = fanfold.Scene("knock", until="1 s", tolerance=1e-5, preload=False)
+    scene.base("case", points={"a": (0, 0, 0), "b": (0.2, 0, 0)})
+    for name, point, inertia, rate in (("wheel", "a", 0.1, 0.5), ("other", "b", 0.02, 0.0)):
+        rigid = {
+            "mass": 1,
+            "inertia": (inertia,) * 3,
+            "center_of_mass": (0, 0, 0),
+            "points": {"o": (0, 0, 0)},
+        }
+        place = {"body": "case", "point": point}
+        scene.body(name, rigid=rigid, place=place, angular_velocity=(0, rate, 0))
+        ports = {"inboard": ("case", point), "outboard": (name, "o")}
+        scene.connection(f"{name}_pin", preset="revolute", ports=ports, axes={"x": (0, 1, 0)})
+    ports = {"carrier": ("case", "a"), "first": ("wheel", "o"), "second": ("other", "o")}
+    parameters = {"ratio": -2, "stiffness": 300, "damping": 0, "play": "20 mrad"}
+    scene.connection("gear", "gear", ports=ports, parameters=parameters)
+    run = fanfold.simulate(scene, estimate=False)
+    deflection = run["gear", "first_angle"][:] + 2 * run["gear", "second_coordinate"][:]
+    frequency = np.sqrt(300 * (1 / 0.1 + 4 / 0.02))
+    expected = bouncing(run.time, 0.02, 0.5, frequency)
+    assert np.abs(deflection - expected).max() < 1e-4 * np.ptp(expected)
+    assert np.abs(run["gear", "gear_torque"][:]).max() == pytest.approx(300 * 0.5 / frequency, rel=1e-4)
     assert run.headline.energy_residual < 1e-6
 
 

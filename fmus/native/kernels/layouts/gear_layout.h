@@ -5,11 +5,11 @@
 #define FANFOLD_GEAR_LAYOUT_H
 
 #define KIND "gear"
-#define LAYOUT_DIGEST "b3967ecde37facc2"
+#define LAYOUT_DIGEST "0b80b5bb7f4832a4"
 #define CONTINUOUS 1
 #define CONTINUOUS_PLACES {X_HEAT}
 
-enum { P_RATIO = 0, P_STIFFNESS = 1, P_DAMPING = 2, P_ORDER = 3, PARAMETERS = 4 };
+enum { P_RATIO = 0, P_STIFFNESS = 1, P_DAMPING = 2, P_PLAY = 3, P_ORDER = 4, PARAMETERS = 5 };
 enum { X_SEATS = 0, X_START = 20, X_MEMORY = 21, X_HEAT = 24, X_SLIDE = 25, X_NUMERICAL = 29, STATES = 30 };
 enum { U_IMPULSE = 0, OWN_INPUTS = 1 };
 enum { OWN_OUTPUTS = 0 };
