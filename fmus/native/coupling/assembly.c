@@ -24,7 +24,7 @@ enum { OF_LINE = 3 }; /* outputs of each */
 enum { SWINGS = 2 * SWING_NUMBERS };
 static const char unstable[] = "the accelerations of the base swing from step to step and grow, so the host is unstable. Make "
                                "smaller steps, or apply the growth of the interface impulses over the step as mean load, or "
-                               "repeat steps with base_meets_rates = 1";
+                               "repeat steps with base_meets_rates = true";
 
 /* Place the numbers of a run that a saved state contains from `first` on; returns how many they are. first: NULL to
    compute that alone. */

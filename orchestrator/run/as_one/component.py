@@ -93,8 +93,8 @@ _TOLERANCE = Quantity(
 _MEETS_RATES = Quantity(
     MEETS_RATES,
     "1",
-    "1: at the end of a step the base has the rates given before it, by constant accelerations; 0: they are those of "
-    "its beginning, and what follows is extrapolated",
+    "true: at the end of a step the base has the rates given before it, by constant accelerations; false: they are "
+    "those of its beginning, and what follows is extrapolated",
     minimum=0.0,
     maximum=1.0,
     variability="fixed",
