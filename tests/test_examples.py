@@ -35,6 +35,12 @@ def attitude_control(found, folder):
     assert found["controlled"].headline.energy_residual < 1e-4
 
 
+def boom_of_matrices(found, folder):
+    """Closed form of a cantilever: 1.8751^2 / (2 pi L^2) sqrt(EI / m), twice; masses in the nodes leave 3e-4 of it."""
+    expected = 1.8751041**2 / (2.0 * np.pi * 3.0**2) * np.sqrt(400.0 / 0.5)
+    assert found["frequencies"][:2] == pytest.approx([expected] * 2, rel=5e-4)
+
+
 def coupled_lines(found, folder):
     """Definition: HL1 and HL3 differ by the wind-up of the coupler, torque over stiffness, and latch together."""
     run = found["run"]
@@ -212,6 +218,14 @@ def sequenced_deployment(found, folder):
     before, after = found["run"]["h2", "angle"].at([at - step, at])
     assert before <= 3.1 < after
     assert at < events["h2"] < events["h1"]
+
+
+def seen_in_blender(found, folder):
+    """The table begins folded and ends near the data sheet's 180 deg; what a reader makes of a .glb is tested elsewhere."""
+    angles = np.loadtxt(folder / "workbench.csv", delimiter=",", skiprows=1)
+    assert angles[0] == pytest.approx([0.0, 0.0], abs=1e-6)
+    assert angles[-1, 1] == pytest.approx(np.pi, abs=0.05)
+    assert (folder / "workbench.glb").read_bytes()[:4] == b"glTF"
 
 
 def spinning_deployment(found, folder):

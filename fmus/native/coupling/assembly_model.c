@@ -224,7 +224,7 @@ static int read_appendage(Assembly *a, const Data *data, Memory *memory, Reason 
     size_t count = 0;
     const size_t *place = whole_numbers(data, "masses", &count, memory, why);
     if (!place || count == 0) return place != NULL;
-    m->masses = (count - FRAME_PLACES) / MASS_PLACES;
+    m->masses = count > FRAME_PLACES ? (count - FRAME_PLACES) / MASS_PLACES : 0;
     m->value = data_array(data, "mass_values", MASS_VALUES * m->masses, why);
     m->frame = place;
     m->place = place + FRAME_PLACES;
