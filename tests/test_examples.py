@@ -221,7 +221,7 @@ def sequenced_deployment(found, folder):
 
 
 def seen_in_blender(found, folder):
-    """The table begins folded and ends near the data sheet's 180 deg; what a reader makes of a .glb is tested elsewhere."""
+    """Data sheet: folded at first, latched near 180 deg at the end."""
     angles = np.loadtxt(folder / "workbench.csv", delimiter=",", skiprows=1)
     assert angles[0] == pytest.approx([0.0, 0.0], abs=1e-6)
     assert angles[-1, 1] == pytest.approx(np.pi, abs=0.05)

@@ -9,6 +9,7 @@ from components import REGISTRY, ComponentError, Instance
 from components.contact import Contact
 from components.contract.errors import unknown
 from components.contract.frames import Vector3, add, cross, dot, norm, rotate, subtract
+from components.numerics.span import SpanConnection
 
 from .bodies import Attachment
 from .body_tables import Body
@@ -221,14 +222,14 @@ def buried_contacts(scene: PlacedScene) -> Iterator[str]:
             )
 
 
-def unstartable(scene: PlacedScene) -> Iterator[str]:
-    """Connections that refuse the place of their ports at the start, such as springs between coincident points.
+def without_direction(scene: PlacedScene) -> Iterator[str]:
+    """Springs, suspensions and distance joints between coincident points, whose force has no direction.
 
     A distance joint moves placed bodies along the line of its points, so it has a direction where these are written.
     """
     for connection in scene.connections:
-        if REGISTRY[connection.kind].comes_from_outside():
-            continue  # `plugin_problems` makes a step with it
+        if not issubclass(REGISTRY[connection.kind], SpanConnection):
+            continue
         poses = scene.written_poses if connection.preset == DISTANCE else scene.poses
         try:
             seated(connection, scene.points, poses).initialize()

@@ -230,7 +230,7 @@ def _checked(
     reader.note(consistency.impossible_loops(sound))
     if not reader.note([*consistency.open_hinges(sound), *open_loops(sound.closed)]):
         reader.note(sound.start_rates.problems)
-        reader.note(consistency.unstartable(sound))
+        reader.note(consistency.without_direction(sound))
         reader.note(consistency.buried_contacts(sound))
         reader.note(plugin_problems(sound))
     return None if reader.problems else scene, _told(reader.problems, unlike)

@@ -110,7 +110,10 @@ def test_rigid_and_stiff_flexible_bodies_latch_together():
 
 @pytest.mark.parametrize(
     "balance",
-    [pytest.param(b, marks=[pytest.mark.thorough] if b.name.startswith("geared") else []) for b in BALANCES],
+    [
+        pytest.param(b, marks=[] if b.name.startswith(("single", "chain")) else [pytest.mark.thorough])
+        for b in BALANCES
+    ],
     ids=[balance.name for balance in BALANCES],
 )
 def test_margin_restart_study_and_run_answer_alike(balance):

@@ -18,7 +18,7 @@ SETTLED, END = 10.0, 20.0
 
 @needs_native
 @pytest.mark.parametrize("variant", [(), ("spring_latch",)], ids=["kinematic", "spring"])
-@pytest.mark.parametrize("number", [0, 1, 2])
+@pytest.mark.parametrize("number", [pytest.param(0, marks=pytest.mark.thorough), 1, 2])
 def test_a_mode_keeps_its_energy(variant, number):
     """Conservation of energy: in 100 periods less than 1 % of a joule; what is lost is told as numerical."""
     record, period = swing(undamped_wing("amos3", variant), number, END, Settings(fixed_step=STEP))

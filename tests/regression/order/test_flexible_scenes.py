@@ -64,7 +64,7 @@ def recorded(holds, h):
     return np.stack([latch, record.signal("base", "interface_torque")[:, 1]], axis=1)[rows]
 
 
-@pytest.mark.parametrize("holds", ["spring", "lock"])
+@pytest.mark.parametrize("holds", ["spring", pytest.param("lock", marks=pytest.mark.thorough)])
 def test_recorded_loads_are_of_order_four(holds):
     """At the communication points themselves, by the mean and slope of the steps on both sides."""
     exact = recorded(holds, FINEST)
@@ -136,6 +136,7 @@ def residual(found: Followed) -> float:
     return float(np.ptp(record.scene("energy_residual")[after]))
 
 
+@pytest.mark.thorough
 def test_residual_of_two_panels_that_open():
     """The same without a latch, at every step that is compared above."""
     for h in (2e-3, 1e-3, 5e-4):

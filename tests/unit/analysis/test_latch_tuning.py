@@ -174,6 +174,7 @@ def clamped_frequency():
     return float(np.sqrt(eigsh(k, 1, m, sigma=0.0, return_eigenvectors=False)[0])) / (2.0 * pi)
 
 
+@pytest.mark.thorough
 def test_two_flexible_panels_make_half_of_one(tmp_path):
     """Independent: the mirrored pair vibrates as finite elements of one panel held in the plane of symmetry.
 

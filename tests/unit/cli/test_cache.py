@@ -27,7 +27,14 @@ def told(*arguments, exit_code=0):
     return result
 
 
-@pytest.mark.parametrize("damage", ["empty", "cut", "one bit"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        pytest.param("empty", marks=pytest.mark.thorough),
+        pytest.param("cut", marks=pytest.mark.thorough),
+        "one bit",
+    ],
+)
 def test_no_damaged_file_of_the_cache_is_exported(damage, cache, tmp_path):
     """R1: whatever file of the cache is damaged, what is exported is what was, and the cache is whole again."""
     sound = exported(tmp_path / "first")

@@ -95,7 +95,7 @@ def test_what_a_component_refuses_has_its_name():
     assert "the tank is empty" in str(raised)
 
 
-@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("order", [pytest.param(2, marks=pytest.mark.thorough), 4])
 def test_a_run_goes_on_in_every_bit_where_it_stood(order):
     """Of components whose derivatives are differences of steps: rows, steps and sweeps from a snapshot on."""
     assembly, kept = assemble(Scene.load(TWO_PANELS).check()), []

@@ -58,7 +58,9 @@ def assert_same_bits(one, other):
 
 
 @pytest.mark.parametrize(
-    ("variant", "after"), [((), [8]), ("spring_latch", [6, 10])], ids=["kinematic", "spring"]
+    ("variant", "after"),
+    [pytest.param((), [8], marks=pytest.mark.thorough), ("spring_latch", [6, 10])],
+    ids=["kinematic", "spring"],
 )
 def test_resumed_run_is_the_one_that_was_not_interrupted(tmp_path, interruptions, variant, after):
     """Identity of every bit, from checkpoints between and after latch-ups, locks and springs."""
