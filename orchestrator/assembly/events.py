@@ -265,4 +265,5 @@ def tunable(name: str, component: Component, kind: str) -> Quantity:
         return known[name]
     if name in known:
         raise ValueError(f"cannot be set in mid-run; of a {kind}, these can: {', '.join(free) or 'none'}")
-    raise ValueError(f"{name!r} {unknown(name, free, 'parameter')} (of a {kind})")
+    commands = [command for command in COMMANDS if command in component.input_layout]
+    raise ValueError(f"{name!r} {unknown(name, [*free, *commands], 'parameter')} (of a {kind})")

@@ -181,6 +181,10 @@ BAD = {
         "time = 1\nset = { root = { hold = 1 } }",
         "event.a.set.root.hold: ",
     ),
+    "a misspelt command": (
+        "time = 1\nset = { root = { latch_comand = 1 } }",
+        "event.a.set.root.latch_comand: …latch_command",
+    ),
     "out of range": (
         "time = 1\nset = { root = { friction_coefficient = -1 } }",
         "event.a.set.root.friction_coefficient: …0",

@@ -120,6 +120,10 @@ WRONG = {
         {"inputs": {"value": "HL.angle"}, "outputs": {"go": "panel.latch_command"}},
         "outputs.go: ",
     ),
+    "a misspelt command": (
+        {"inputs": {"value": "HL.angle"}, "outputs": {"go": "HL.latch_comand"}},
+        "outputs.go: .*did you mean latch_command",
+    ),
 }
 
 
