@@ -1,7 +1,7 @@
 """Rates at the start: those of laws, given ones, and of what joints carry along.
 
-Closed forms of a chain, a turning base, tops (Euler, Jacobi) and cable loops; equations of Lagrange of two mechanisms
-that the library of multibody benchmarks of IFToMM has: a double four-bar through its singular position, a governor.
+Closed forms of a chain, a turning base, tops (Euler, Jacobi) and cable loops; Lagrange's equation of a double four-bar
+through its singular position. IFToMM's governor is in `tests/regression/linkages/test_published_benchmarks.py`.
 """
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy.special import ellipj
 
 import orchestrator as fanfold
 from orchestrator.assembly.assemble import assemble
+from tests.references.rods import GRAVITY, four_bars, joined
 
 LINK, HEIGHT, SPEED = 0.6, 0.5, 0.4
 JOINTS = [("base", "foot", "lower", "a"), ("lower", "b", "upper", "b"), ("upper", "a", "top", "centre")]
@@ -104,7 +105,6 @@ def test_what_hangs_on_a_turning_base_turns_with_it():
 
 
 INERTIA = np.array((10.0, 20.0, 25.0))  # kg.m2
-GRAVITY = 9.81
 
 
 def top(inertia, spin, until):
@@ -164,40 +164,12 @@ def found_axes(result):
     return np.moveaxis(np.array(rows), 2, 0)
 
 
-def joined(scene, name, preset, axis, inboard, outboard):
-    """A joint between two points, (body, point)."""
-    across = (0, 0, 1) if axis != (0, 0, 1) else (1, 0, 0)
-    ports = {
-        side: {"body": body, "point": point}
-        for side, (body, point) in (("inboard", inboard), ("outboard", outboard))
-    }
-    scene.connection(name, "hinge", preset=preset, axes={"x": axis, "z": across}, ports=ports)
-
-
-def slender(mass, length, far):
-    points = {"a": (0, 0, 0), "b": (far, 0, 0)}
-    inertia = (1e-4, mass * length**2 / 12.0, mass * length**2 / 12.0)
-    return {"mass": mass, "center_of_mass": (length / 2, 0, 0), "inertia": inertia, "points": points}
-
-
 def test_a_double_four_bar_passes_its_singular_position():
     """Lagrange: 3 a'' = -3.5 g cos a of five rods of 1 m and 1 kg, upright at 1 rad/s; singular where a = 0.
 
     The rate of one crank is given; those of the other four bodies follow. Joints of 5e6 N/m yield by 1e-5 m.
     """
-    scene = fanfold.Scene("double_four_bar", until=0.8, gravity=(0, 0, -GRAVITY), preload=False)
-    scene.base("ground", points={f"p{i}": (float(i), 0, 0) for i in range(3)})
-    rod, up = slender(1.0, 1.0, 1.0), {"x": (0, 0, 1), "z": (-1, 0, 0)}
-    for i in range(3):
-        given = {"angular_velocity": (0, 1.0, 0)} if i == 0 else {}
-        place = {"body": "ground", "point": f"p{i}"}
-        scene.body(f"crank{i}", rigid=rod, place={**place, "orientation": up}, **given)
-        joined(scene, f"foot{i}", "revolute", (0, 1, 0), ("ground", f"p{i}"), (f"crank{i}", "a"))
-        if i < 2:
-            scene.body(f"coupler{i}", rigid=rod, place={**place, "offset": (0, 0, 1.0)})
-    for i in range(2):
-        joined(scene, f"left{i}", "revolute", (0, 1, 0), (f"crank{i}", "b"), (f"coupler{i}", "a"))
-        joined(scene, f"right{i}", "revolute", (0, 1, 0), (f"coupler{i}", "b"), (f"crank{i + 1}", "b"))
+    scene = four_bars(2, until=0.8)
     start = fanfold.check_scene(scene).start_motion
     assert start.kinetic_energy == pytest.approx(1.5, rel=1e-9)
     assert start.linear_momentum == pytest.approx((3.5, 0, 0), abs=1e-9)
@@ -212,56 +184,6 @@ def test_a_double_four_bar_passes_its_singular_position():
     assert expected[-1] < -0.3
     assert np.abs(angle - expected).max() < 5e-4
     assert found.headline.energy_residual < 2e-4
-
-
-def test_a_governor_trades_spin_for_height():
-    """Independent solution: Lagrange's equation of a flyball governor whose angular momentum is conserved."""
-    lean, rate, until = np.pi / 6, 2 * np.pi, 0.5
-    scene = fanfold.Scene("governor", until=until, gravity=(0, 0, -GRAVITY), preload=False)
-    scene.base("ground", points={"o": (0, 0, 0)})
-    foot = {"body": "ground", "point": "o"}
-    shaft = {"mass": 0.3, "inertia": (0.025, 0.025, 5e-4), "points": {"o": (0, 0, 0), "top": (0, 0, 1.0)}}
-    scene.body("shaft", rigid=shaft, place=foot, angular_velocity=(0, 0, rate))
-    s, c = float(np.sin(lean)), float(np.cos(lean))
-    collar = {"mass": 0.1, "inertia": (2e-4,) * 3, "points": {"o": (0, 0, 0)}}
-    scene.body("collar", rigid=collar, place={**foot, "offset": (0, 0, 1.0 - c)})
-    arm = {**slender(5.3, 1.8, 0.5), "inertia": (0.02, 0.3, 0.3)}
-    joined(scene, "bearing", "revolute", (0, 0, 1), ("ground", "o"), ("shaft", "o"))
-    joined(scene, "slider", "cylindrical", (0, 0, 1), ("shaft", "o"), ("collar", "o"))
-    for i, way in enumerate((1.0, -1.0)):
-        out = {"x": (way * s, 0, -c), "z": (way * c, 0, s)}
-        back = {"x": (-way * s, 0, -c), "z": (-way * c, 0, s)}
-        knee = (way * 0.5 * s, 0, 1.0 - 0.5 * c)
-        scene.body(f"arm{i}", rigid=arm, place={**foot, "offset": (0, 0, 1.0), "orientation": out})
-        link = slender(0.15, 0.5, 0.5)
-        scene.body(f"link{i}", rigid=link, place={**foot, "offset": knee, "orientation": back})
-        joined(scene, f"pin{i}", "revolute", (0, 1, 0), ("shaft", "top"), (f"arm{i}", "a"))
-        joined(scene, f"knee{i}", "spherical", (0, 1, 0), (f"arm{i}", "b"), (f"link{i}", "a"))
-        joined(scene, f"heel{i}", "revolute", (0, 1, 0), (f"link{i}", "b"), ("collar", "o"))
-    found = fanfold.simulate(scene, tolerance=1e-4, estimate=False)
-    slim, wide = 0.15 * 0.5**2 / 12.0, 0.3 + 5.3 * 0.81
-
-    def inertias(lean):
-        """About the shaft and of the lean, their slopes, and the slope of the weight's potential."""
-        s, c = np.sin(lean), np.cos(lean)
-        swept = 2 * (wide - 0.02) + 2 * (slim - 1e-4 + 0.15 * 0.0625)
-        about = 5e-4 + 2e-4 + 2 * (0.02 + 1e-4) + swept * s * s
-        of_lean = 2 * wide + 2 * (slim + 0.15 * 0.0625 * c * c + 0.15 * 0.5625 * s * s) + 0.1 * s * s
-        weight = GRAVITY * s * (2 * 5.3 * 0.9 + 2 * 0.15 * 0.75 + 0.1)
-        return about, 2 * swept * s * c, of_lean, 2 * s * c * (2 * 0.15 * 0.5 + 0.1), weight
-
-    momentum = inertias(lean)[0] * rate
-
-    def rates(_, state):
-        about, slope, of_lean, of_slope, weight = inertias(state[0])
-        force = 0.5 * (momentum / about) ** 2 * slope - 0.5 * of_slope * state[1] ** 2 - weight
-        return state[1], force / of_lean
-
-    leans = solve_ivp(rates, (0, until), (lean, 0.0), rtol=1e-10, atol=1e-10, t_eval=found.time).y[0]
-    height = found["collar", "frame_position"][:][:, 2]
-    assert np.ptp(1.0 - np.cos(leans)) > 0.2
-    # joints carry up to 400 N and yield by 8e-5 m at 5e6 N/m
-    assert np.abs(height - 1.0 + np.cos(leans)).max() < 1e-4
 
 
 def cabled(second=None, **first):
