@@ -79,7 +79,7 @@ SCENES = {
     "amos3, flexible": (lambda: fanfold.load("amos3"), 0.2, (), 0),
     "coupler, flexible": (lambda: coupled_wing(0.1, stiffness=2e5), 0.1, (), 0),
     "bepicolombo": (lambda: fanfold.load("bepicolombo"), 2.0, "all", 0),
-    "antenna-unit": (lambda: fanfold.load("antenna-unit"), 0.1, "all", 0),
+    "antenna-unit": (lambda: fanfold.load("antenna-unit"), 0.03, "all", 0),
     "twins, spring": (lambda: twins("spring"), 2.5, "all", 2),
     "twins, kinematic": (lambda: twins("kinematic"), 2.5, "all", 2),
     "light body that strikes": (
