@@ -226,7 +226,12 @@ class SignalFmu:
 
         signals = {s.variable: s for s in (*self.inputs, *self.told, *self.outputs)}
         return {
-            name: Quantity(name.replace("/", "_"), s.unit, s.description or f"Signal of {self.path.name}")
+            name: Quantity(
+                name.replace("/", "_"),
+                s.unit,
+                s.description or f"Signal of {self.path.name}",
+                kind="boolean" if s.kind == "Boolean" else "real",
+            )
             for name, s in signals.items()
         }
 

@@ -99,17 +99,22 @@ def _signal_fmus(
     return signal_fmus(scene, parts, lines)
 
 
+def groups_with_sites(scene: PlacedScene) -> Mapping[str, RigidGroup]:
+    """Rigid groups by their roots, with the sites of all connections that act in a run."""
+    found = [*scene.attachments, *(port for line in scene.hinge_lines for port in stop_attachments(line))]
+    return rigid_groups(scene, found, scene.poses)
+
+
 def _placed_parts(
     scene: PlacedScene,
     models: Mapping[str, ModalData],
     beams: Mapping[str, Body],
 ) -> tuple[list[Part], list[Link], dict[str, Geometry]]:
     """Bodies where they start and with the rates that they start with, their links, and what pictures need."""
-    found = [*scene.attachments, *(port for line in scene.hinge_lines for port in stop_attachments(line))]
     parts: list[Part] = []
     links: list[Link] = []
     geometry: dict[str, Geometry] = {}
-    for group in rigid_groups(scene, found, scene.poses).values():
+    for group in groups_with_sites(scene).values():
         if group.root in beams:
             part, shown = beam_part(scene, beams[group.root], group)
             center = scene.rigid_models[group.root].center_of_mass

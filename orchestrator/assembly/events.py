@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from math import inf
 from typing import Any
 
 from components import LAGGED, Component, ComponentError, Quantity
@@ -161,7 +162,8 @@ class _EventReader:
         if (fmu := self._fmus.get(when.component)) is not None:
             quantity = fmu.recorded()[when.variable]
             try:
-                return Condition(fmu.name, quantity.name, 0, number_of(quantity, given), rising, True)
+                value = _passed(quantity, given, rising)
+                return Condition(fmu.name, quantity.name, 0, value, rising, True)
             except ValueError as error:
                 self.problems.append(f"{key}.{side}: {error}")
                 return None
@@ -214,7 +216,7 @@ class _EventReader:
         if name not in COMMANDS:
             raise ValueError("is an input, which follows from the run; set tunable parameters")
         takes_back = name == UNLATCH_COMMAND.name and given == 0
-        if isinstance(given, bool) or not (given == 1 or takes_back):
+        if not (given == 1 or takes_back):
             also = ", or taken back, with 0" if name == UNLATCH_COMMAND.name else ", but not taken back"
             raise ValueError(f"is {given!r}; commands can be given, with 1{also}")
         if name in RELEASES:
@@ -224,6 +226,16 @@ class _EventReader:
         if name == LATCH_COMMAND.name:
             return event.also(latches=(line,))
         return event.also(readies=(line,)) if takes_back else event.also(unlatches=(line,))
+
+
+def _passed(quantity: Quantity, given: object, rising: bool) -> float:
+    """The value that an output of an FMU passes; ValueError for one that a Boolean never passes."""
+    if quantity.kind != "boolean":
+        return number_of(quantity, given)
+    value = inf if isinstance(given, bool) else number_of(quantity, given)
+    if not (0.0 <= value < 1.0 if rising else 0.0 < value <= 1.0):
+        raise ValueError(f"is {given!r}; {quantity.name} is false or true, 0 or 1, so give {_TRUE}")
+    return value
 
 
 def scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Quantity, int]:

@@ -13,7 +13,7 @@ from components.contract.roles import LOAD
 from components.numerics.port_loads import PortLoads
 
 from ..assembly import Part
-from ..assembly.assemble import connection_parts
+from ..assembly.assemble import connection_parts, groups_with_sites
 from ..scene.placed_scene import PlacedScene
 from ..scene.requirement_tables import Limit, limit
 from ..scene.table import SceneError
@@ -168,15 +168,20 @@ def _possible(scene: PlacedScene) -> dict[str, tuple[str, ...]]:
 
     A number of the whole has the name "". Whether a line latches, how and when, is known after a run only.
     """
-    parts = connection_parts(scene, {body.name: False for body in scene.bodies}, "mean")
+    groups = groups_with_sites(scene)
+    acting = {site.connection[0] for group in groups.values() for site in group.sites}
+    rigid = {body.name: False for body in scene.bodies}
+    parts = [part for part in connection_parts(scene, rigid, "mean") if part.name in acting]
+    lines = [line for line in scene.hinge_lines if not line.held]
+    at_base = tuple(site.name for site in groups[scene.base.name].sites)
     owners = {
         "run": ("",),
-        "latch": tuple(line.name for line in scene.hinge_lines if line.latch is not None),
-        "line without latch": tuple(line.name for line in scene.hinge_lines if line.latch is None),
+        "latch": tuple(line.name for line in lines if line.latch is not None),
+        "line without latch": tuple(line.name for line in lines if line.latch is None),
         "free base": _AXES if scene.base.free is not None else (),
         "base": ("", *_AXES),
-        "port": tuple(part.name for part in parts),
-        "hinge": tuple(hinge.name for line in scene.hinge_lines for hinge in line.hinges),
+        "port": at_base,
+        "hinge": tuple(hinge.name for line in lines for hinge in line.hinges if hinge.name not in at_base),
     }
     found = {quantity: owners[kind] for kind, quantities in BY_OWNER.items() for quantity in quantities}
     for quantity, component in _loads(scene, parts):

@@ -70,14 +70,15 @@ def _standing(result: Result, line: HingeLine, missing: str) -> NotOpened:
     together = [(one, rates[one.name]) for one in result.hinge_lines if one.name in rates]
     driving = sum(rate * _driving(result, one) for one, rate in together)
     friction = sum(abs(rate) * _at_end(result, one.hinges, "friction_limit") for one, rate in together)
-    late = angle[result.time >= _LATE * result.time[-1]]
+    since = _LATE * result.time[-1]
+    late = [np.interp(since, result.time, angle), *angle[result.time > since]]
     still = max(_GIVES if driving < friction else _ROUND_OFF, _STILL * float(np.ptp(angle)))
     return NotOpened(
         missing=missing,
         angle=float(angle[-1]),
         largest=float(angle.max()),
         rate=_at_end(result, (line.sensor,), "angular_rate"),
-        is_stuck=late.size > 1 and float(np.ptp(late)) <= still,
+        is_stuck=result.time.size > 1 and float(np.ptp(late)) <= still,
         coupled=tuple(name for name in rates if name != line.name),
         driving=driving,
         friction=friction,

@@ -97,6 +97,9 @@ def _structure_problems(connection: Connection) -> Iterator[str]:
     for name, one in declared.items():
         if one.default is Parameter.empty and name not in connection.structure:
             yield f"{key}.{name}: is missing"
+        given = connection.structure.get(name, one.default)
+        if isinstance(one.default, bool) and not isinstance(given, bool):
+            yield f"{key}.{name}: is {given!r}; it must be true or false"
 
 
 def seated(
@@ -147,7 +150,9 @@ def _parameter(component: Component, name: str) -> Quantity:
 
 
 def value_of(quantity: Quantity, value: object) -> float | tuple[float, ...]:
-    """The value in the unit that the component declares."""
+    """The value in the unit that the component declares; 1 or 0 for true or false."""
+    if isinstance(value, bool) and quantity.kind == "boolean":
+        return float(value)
     if quantity.size == 1:
         return number_of(quantity, value)
     if not isinstance(value, list | tuple) or len(value) != quantity.size:
@@ -158,7 +163,7 @@ def value_of(quantity: Quantity, value: object) -> float | tuple[float, ...]:
 def in_range(
     quantity: Quantity, given: object, value: float | tuple[float, ...]
 ) -> float | tuple[float, ...]:
-    """The value, where all its numbers are within the component's bounds."""
+    """The value, where all its numbers are within the component's bounds and of the kind that it declares."""
     low, high = quantity.minimum, quantity.maximum
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     for number in (value,) if isinstance(value, float) else value:
@@ -166,6 +171,9 @@ def in_range(
             raise ValueError(f"is {given!r}; it must be at least {low:g}{unit}")
         if high is not None and number > high:
             raise ValueError(f"is {given!r}; it must be at most {high:g}{unit}")
+        if quantity.kind != "real" and not number.is_integer():
+            needed = "true or false" if quantity.kind == "boolean" else "a whole number"
+            raise ValueError(f"is {given!r}; it must be {needed}")
     return value
 
 

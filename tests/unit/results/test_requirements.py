@@ -123,6 +123,21 @@ def test_every_number_of_a_run_may_have_a_limit(make, until):
     with_requirements(scene, limits)
 
 
+def test_held_lines_and_hinges_on_the_base_have_no_such_numbers():
+    """Definition: a held line does not take part; loads of hinges on the base are those of its ports."""
+    held = fanfold.load("amos3", settings={"hinge_line.HL3.held": True})
+    good = ("latch_rate.HL1 < 1 deg/s", "hinge_force_peak.hl2_left < 1 N", "port_force_peak.hl1_hinge < 1 N")
+    assert fanfold.check_scene(held.with_requirements(good)).problems == ()
+    for bad in (
+        "latch_rate.HL3 < 1 deg/s",
+        "hinge_force_peak.hl3_left < 1 N",
+        "hinge_force_peak.hl1_hinge < 1 N",
+        "port_force_peak.hl2_left < 1 N",
+    ):
+        (problem,) = fanfold.check_scene(held.with_requirements([bad])).problems
+        assert bad in problem
+
+
 def test_a_study_counts_them():
     """The margin is a number of every sample: limit less the number itself, in degrees a second."""
     found = fanfold.study(

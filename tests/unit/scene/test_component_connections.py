@@ -77,6 +77,31 @@ def test_what_a_component_does_not_accept_is_a_sentence_with_its_key(tmp_path, o
     assert any(sentence in problem for problem in caught.value.problems), caught.value.problems
 
 
+CABLE = """
+[[connection]]
+name = "cable"
+kind = "ccl"
+structure = { axis = [0.0, 1.0, 0.0], guided = false }
+ports.pulley_1 = { body = "base", point = "root" }
+ports.pulley_2 = { body = "outer", point = "left" }
+parameters = { preload = 1.0, strand_stiffness = 1e3, radius_1 = 0.02, radius_2 = 0.02, cut = true, order = 2 }
+"""
+
+
+def test_booleans_and_whole_numbers_are_such(tmp_path):
+    """Definition: true is 1, as FMUs have it; what is neither, or no whole number, is refused with its key."""
+    assembly = assemble(load_text(tmp_path, TWO_PANELS + CABLE))
+    assert next(part.start["cut"] for part in assembly.parts if part.name == "cable") == 1.0
+    for old, new, sentence in (
+        ("cut = true", "cut = 0.7", "parameters.cut: is 0.7; it must be true or false"),
+        ("order = 2", "order = 2.5", "parameters.order: is 2.5; it must be a whole number"),
+        ("guided = false", 'guided = "false"', "structure.guided: is 'false'; it must be true or false"),
+    ):
+        with pytest.raises(SceneError) as caught:
+            load_text(tmp_path, TWO_PANELS + edited(CABLE, (old, new)))
+        assert any(f"connection.cable.{sentence}" in problem for problem in caught.value.problems)
+
+
 @pytest.mark.parametrize("kind", ["load", "contact", "drag", "suspension", "point_motion"])
 def test_a_mistyped_key_of_structure_is_a_sentence(tmp_path, kind):
     """Regression: "load cannot be made of {...}: Load.__init__() got an unexpected keyword argument"."""

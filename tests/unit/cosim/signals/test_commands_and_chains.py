@@ -113,6 +113,15 @@ def test_outputs_are_recorded_at_their_own_time_up_to_the_end(sensor):
     assert now.at([0.11, 0.15, 0.199]) == pytest.approx([0.1] * 3, abs=1e-12)
 
 
+def test_a_line_whose_only_late_rows_are_those_of_one_instant_is_not_stuck(sensor):
+    """Closed form: at the end it turns at 0.1 s of 1 rad/s2; the last rows are those before and after the output."""
+    scene = panel(0.1)
+    scene.fmu("clock", sensor, step=0.1, inputs={"value": "HL.angle"}, outputs={"now": []})
+    run = fanfold.simulate(scene, estimate=False)
+    assert np.count_nonzero(run.time >= 0.9 * run.time[-1]) == 2
+    assert f"turns at {np.degrees(0.1):.3g} deg/s" in run.headline.verdict
+
+
 WRONG = {
     "nobody gives it": ({"inputs": {"value": "sensr.now"}}, "inputs.value: .*sensor"),
     "no output": ({"inputs": {"value": "sensor.value"}}, "inputs.value: .*output"),
@@ -137,10 +146,12 @@ def test_what_cannot_be_joined(sensor, kind):
 
 
 def test_conditions_on_fmus_are_checked(sensor):
-    """One on an output that is not there, and one that holds from the start."""
+    """One on an output that is not there, one that holds from the start, and those that no Boolean passes."""
     for variable, above, sentence in (
         ("later", 1.0, "when.variable: .*now"),
         ("now", -1.0, "from the start"),
+        ("go", 1.0, "when.above: is 1.0; .*0.5"),
+        ("go", True, "when.above: is True; .*0.5"),
     ):
         scene = panel()
         scene.fmu("clock", sensor, step=STEP, inputs={"value": "HL.angle"})
