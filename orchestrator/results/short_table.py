@@ -193,7 +193,7 @@ def _forces(found: Headline, numbers: Sequence[Number], floors: Mapping[str, flo
         for variable in strands or forces:
             low, high = forces[variable]
             if max(abs(low), abs(high)) > floors[name]:
-                kind = "cable tension" if strands else load_words(variable)
+                kind = f"cable {_TENSION}" if strands and variable != _TENSION else load_words(variable)
                 label = _strand(name, variable) if strands else name
                 groups.setdefault(kind, []).append((name, label, variable))
     by_key = {n.key: n for n in numbers}

@@ -11,6 +11,7 @@ TENSIONS = {
     "tension_a": [5.0, 0.0, 3.0, 0.0, 0.0, 0.0, 4.0],  # slack twice, the second time longer
     "tension_b": [1.0] * 7,
     "tension": [0.0] * 7,  # never taut
+    "tension_c": [-1.0, -0.5, 0.5, 2.0, 1.0, -0.5, 3.0],  # a spring that pushes and pulls
     "axial_force": [0.0, 1.0] * 3 + [0.0],  # no tension of a strand
 }
 
