@@ -157,10 +157,10 @@ def _along(scene: SceneTables, bodies: tuple[str, str], guide: str | None) -> tu
 
 
 def gears(scene: SceneTables) -> Iterator[Coupling]:
-    """Gears between rotations, along the axes of their bodies."""
+    """Gears between rotations, along the axes of their bodies; without stiffness a gear is disengaged."""
     for one, _, values in _connections(scene, Gear.kind):
         structure = values.component.structure
-        if structure["second_motion"] == "rotation":
+        if structure["second_motion"] == "rotation" and values.parameter("stiffness") > 0.0:
             (first, carrier), (second, other) = acting_between(one)
             axes = (structure["first_axis"], structure["second_axis"])
             radii = (1.0, values.parameter("ratio"))

@@ -39,7 +39,11 @@ def test_flexible_panels_keep_the_ratio():
 
 
 def test_lines_that_share_no_body_are_coupled():
-    """Definition: HL1 turns at half the rate of HL3, and they have one margin; HL2 between them is as it was."""
+    """Definition: HL1 turns at half the rate of HL3, and they have one margin; HL2 between them is as it was.
+
+    Without stiffness nothing is coupled.
+    """
+    assert coupled_wing(stiffness=0.0).check().coupled_lines == ()
     scene = coupled_wing().check()
     bare = replace(scene, hinge_lines=[k.model_copy(update={"motor": None}) for k in scene.hinge_lines])
     (group,) = scene.coupled_lines
