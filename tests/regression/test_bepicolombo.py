@@ -21,7 +21,9 @@ def after_latch_up(result, component, variable, delay=0.0):
     return result.signal(component, variable)[result.time > time + delay]
 
 
-@pytest.mark.parametrize(("name", "rigid"), [("rigid", RIGID), ("semi-flexible", ())])
+@pytest.mark.parametrize(
+    ("name", "rigid"), [("rigid", RIGID), pytest.param("semi-flexible", (), marks=pytest.mark.thorough)]
+)
 def test_latch_up_is_that_of_the_thesis(name, rigid):
     """Section 2.3.1: HL2 latches at 4.24 s; the run ends two seconds later."""
     found = RUNS("bepicolombo", rigid=rigid).headline

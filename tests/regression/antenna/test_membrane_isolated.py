@@ -18,6 +18,7 @@ def result(tmp_path_factory):
     return fanfold.simulate(scene, save=path, estimate=False)
 
 
+@pytest.mark.thorough
 def test_force_of_the_motion(result):
     """Closed form: a clamped square pushed by a patch of 40 mm, 1642 N/m; what it swings with averages out."""
     time, force = result.time, np.asarray(result["motion", "motion_force"][:])

@@ -93,6 +93,7 @@ def test_energy(carried):
     assert abs(carried.headline.energy_residual) < 1e-8
 
 
+@pytest.mark.thorough
 def test_stress_is_that_of_bending_and_of_tension(carried):
     """In the middle the mean of both faces is the tension of the clamped plate that is bent as far; slopes are small.
 

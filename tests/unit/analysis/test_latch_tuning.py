@@ -286,6 +286,7 @@ def test_the_command_tunes_the_wing():
     assert CliRunner().invoke(main, refused).exit_code == 2
 
 
+@pytest.mark.thorough
 def test_a_wing_on_a_free_spacecraft_is_tuned_about_its_lines():
     """Against modes of the tuned wing. Regression: directions of free wings were those of round-off."""
     scene = fanfold.load("amos3", variant="free")

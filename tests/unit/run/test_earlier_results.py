@@ -117,6 +117,7 @@ def test_a_run_that_can_be_resumed_stays(path):
     assert f"fanfold resume {path}" in refused(path)
 
 
+@pytest.mark.thorough
 def test_a_repeated_run_says_what_it_was_made_with(tmp_path, monkeypatch):
     """Regression: the repetition of a run that misses its tolerance had lost it, and could not be replaced."""
     path, asked = tmp_path / "run.h5", {"rigid": "all", "until": 0.02}

@@ -14,7 +14,7 @@ from tests.references.native_fmus import needs_native
 
 
 @needs_native
-@pytest.mark.parametrize("backend", ["native", "python"])
+@pytest.mark.parametrize("backend", ["native", pytest.param("python", marks=pytest.mark.thorough)])
 def test_a_run_with_fmus_that_ran_before_is_that_with_new_ones(backend):
     """Equality to the bit of all signals, through a latch-up of the first run that the second does not have.
 

@@ -82,7 +82,7 @@ def test_joints_that_a_latch_has_ring_are_seen(damping_ratio):
     assert abs(after).max() == pytest.approx(expected, rel=2e-2)
 
 
-@pytest.mark.parametrize("backend", ["native", "python"])
+@pytest.mark.parametrize("backend", ["native", pytest.param("python", marks=pytest.mark.thorough)])
 def test_a_lock_keeps_its_load_when_another_line_locks(backend):
     """Statics: what does not move any more rests on the first lock, which the motor of its line presses with 50 N.m.
 

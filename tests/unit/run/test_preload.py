@@ -134,7 +134,7 @@ def test_rails_carry_what_they_carry_in_the_equilibrium():
         assert after.signal(rail, "normal_force")[0] == pytest.approx(expected, rel=1e-4)
 
 
-@pytest.mark.parametrize("rigid", ["all", ""])
+@pytest.mark.parametrize("rigid", ["all", pytest.param("", marks=pytest.mark.thorough)])
 def test_bolts_hold_from_the_start_what_they_hold_later(rigid):
     """Equilibrium: nothing moves until they let go; motors press panels and snubbers against them.
 

@@ -130,6 +130,7 @@ def test_the_sample_that_ends_processes_is_known():
     assert "died" in found[1].message
 
 
+@pytest.mark.thorough
 def test_a_cluster_gives_the_same_samples(here):
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:

@@ -187,6 +187,7 @@ def test_bodies_without_a_pose_stand_where_they_are(result):
     assert len(report_animation.frames(still, 2)) == 2
 
 
+@pytest.mark.thorough
 def test_comparison_with_two_others(tmp_path):
     """Each against the first, by the command."""
     less = (*LESS, *BODIES)
