@@ -157,31 +157,41 @@ def _along(scene: SceneTables, bodies: tuple[str, str], guide: str | None) -> tu
 
 
 def gears(scene: SceneTables) -> Iterator[Coupling]:
-    """Gears between rotations, along the axes of their bodies; without stiffness a gear is disengaged."""
+    """Gears between rotations, along the axes of their bodies, that are engaged."""
     for one, _, values in _connections(scene, Gear.kind):
-        structure = values.component.structure
-        if structure["second_motion"] == "rotation" and values.parameter("stiffness") > 0.0:
-            (first, carrier), (second, other) = acting_between(one)
+        structure, between = values.component.structure, acting_between(one)
+        if structure["second_motion"] == "rotation" and between:
+            (first, carrier), (second, other) = between
             axes = (structure["first_axis"], structure["second_axis"])
             radii = (1.0, values.parameter("ratio"))
             yield Coupling(_key(one), axes, (first, second), radii, (carrier, other), 0.0)
 
 
 def acting_between(connection: Connection) -> tuple[tuple[str, ...], ...]:
-    """Groups of bodies between which a connection acts: a gear on each body and its carrier, others on all bodies."""
+    """Groups of bodies between which a connection acts: a gear on each body and its carrier, others on all bodies.
+
+    A gear without stiffness is disengaged and acts on none.
+    """
     bodies = {name: seat.body for name, seat in connection.ports.items()}
     if connection.kind != Gear.kind:
         return (tuple(bodies.values()),)
+    if _instance(connection).parameter("stiffness") == 0.0:
+        return ()
     carrier = bodies["carrier"]
     return (bodies["first"], carrier), (bodies["second"], bodies.get("second_carrier", carrier))
+
+
+def _instance(connection: Connection) -> Instance:
+    """The component of a connection with its start values."""
+    structure, start = component_values(connection, "mean")
+    return Instance(REGISTRY[connection.kind](**structure), start)
 
 
 def _connections(scene: SceneTables, kind: str) -> Iterator[tuple[Connection, Mapping[str, Any], Instance]]:
     """Connections of a kind along the axes of their bodies, their structures and components."""
     for one in scene.connections:
         if one.kind == kind and one.axes is None:
-            structure, start = component_values(one, "mean")
-            yield one, structure, Instance(REGISTRY[kind](**structure), start)
+            yield one, component_values(one, "mean")[0], _instance(one)
 
 
 def _row(scene: SceneTables, coupling: Coupling) -> dict[str, float]:

@@ -43,15 +43,19 @@ def test_lines_that_share_no_body_are_coupled():
 
     Without stiffness nothing is coupled.
     """
-    assert coupled_wing(stiffness=0.0).check().coupled_lines == ()
-    scene = coupled_wing().check()
-    bare = replace(scene, hinge_lines=[k.model_copy(update={"motor": None}) for k in scene.hinge_lines])
+    scene, loose = coupled_wing().check(), coupled_wing(stiffness=0.0).check()
+    bare, bare_loose = (
+        replace(one, hinge_lines=[k.model_copy(update={"motor": None}) for k in one.hinge_lines])
+        for one in (scene, loose)
+    )
     (group,) = scene.coupled_lines
     assert group == ({"HL1": 1.0, "HL3": 1.0 / RATIO}, ("coupler",), ())
     assert margin_groups(scene) == [group]
     assert uncounted(scene) == {}
     reasons = without_margin(bare)
     assert ["coupler" in reasons[name] for name in ("HL1", "HL2", "HL3")] == [True, False, True]
+    assert loose.coupled_lines == ()
+    assert not any("coupler" in reason for reason in without_margin(bare_loose).values())
 
 
 def test_a_coupler_that_does_not_fit_its_lines_is_told():
