@@ -156,12 +156,12 @@ def _of_line(line: HingeLine) -> Iterator[tuple[str, Sequence[str]]]:
 
 
 def _ports_of_one(elements: Elements, assembly: Assembly) -> Iterator[_Port]:
-    """Inputs of the one FMU, and its outputs of lines and of loads on the spacecraft."""
+    """Inputs of the one FMU, and its outputs of lines, of loads on the spacecraft and of masses that this carries."""
     lines = [f"{line.name}." for line in assembly.hinge_lines]
-    loads = [f"{part.name}.interface_" for part in assembly.parts]
+    carried = [f"{part.name}.{of}_" for part in assembly.parts for of in ("interface", "appendage")]
     for element, variables in elements.items():
         for variable in variables.values():
-            is_shown = variable.causality == "output" and variable.name.startswith((*lines, *loads))
+            is_shown = variable.causality == "output" and variable.name.startswith((*lines, *carried))
             if is_shown or variable.causality == "input":
                 yield _Port(_identifier(variable.name), (_Place(element, variable.name),))
 
