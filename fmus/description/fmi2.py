@@ -12,7 +12,7 @@ from pythonfmu.fmi2slave import Fmi2Slave
 
 from components import Component, ComponentError
 
-from .choices import NATIVE_TOOL, Backend
+from .choices import NATIVE_TOOL, TYPES, Backend
 from .model_exchange import add_model_exchange, state_units
 from .units import add_units
 from .variables import Variable, follows_inputs, scalars, starts_from_inputs
@@ -25,8 +25,6 @@ _STATE_CAPABILITIES = {
     "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
 }
-TYPES = {"real": "Real", "boolean": "Boolean", "integer": "Integer"}
-"""Types of FMI 2.0 by kinds of quantities."""
 _CAPABILITIES: dict[Backend, dict[str, str]] = {
     "native": {**_STATE_CAPABILITIES, "providesDirectionalDerivative": "true"},
     # an embedded Python with NumPy and SciPy
@@ -173,7 +171,9 @@ def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequen
             attributes["initial"] = "calculated"
         else:
             said["start"] = variable.written([starts[variable.value_reference]])
-        SubElement(SubElement(parent, "ScalarVariable", attributes), TYPES[variable.quantity.kind], said)
+        SubElement(
+            SubElement(parent, "ScalarVariable", attributes), TYPES["2.0"][variable.quantity.kind], said
+        )
 
 
 def _add_structure(root: _Element, component: Component, variables: Sequence[Variable]) -> None:

@@ -13,6 +13,7 @@ from lxml.etree import Element, SubElement, _Element
 
 from components import Component
 
+from .choices import TYPES
 from .fmi2 import STEP_DERIVATIVE, WITHOUT_WORDS, About, Experiment, header
 from .units import add_units
 from .variables import Variable, follows_inputs, quantities, starts_from_inputs
@@ -24,8 +25,6 @@ _CAPABILITIES = {
     "canSerializeFMUState": "true",
     "providesDirectionalDerivatives": "true",
 }
-TYPES = {"real": "Float64", "boolean": "Boolean", "integer": "Int32"}
-"""Types of FMI 3.0 by kinds of quantities."""
 _LOG_CATEGORIES = {
     "logStatusWarning": "Messages with the status fmi3Warning",
     "logStatusDiscard": "Messages with the status fmi3Discard: why a step cannot be made",
@@ -89,7 +88,7 @@ def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequen
             attributes["initial"] = "calculated"
         else:
             attributes["start"] = variable.written(starts[first:end])
-        element = SubElement(parent, TYPES[quantity.kind], attributes)
+        element = SubElement(parent, TYPES["3.0"][quantity.kind], attributes)
         if quantity.size > 1:
             SubElement(element, "Dimension", {"start": str(quantity.size)})
     time = {"name": "time", "valueReference": str(end), "description": "Simulation time", "unit": "s"}

@@ -13,7 +13,9 @@ from fmus.host.process import FmuProcess, HostError
 
 from .participant import ERROR, FATAL, OK
 
-_REFERENCE, _NUMBER, _WHOLE, _POINTER = 4, 8, sizeof(c_int), sizeof(c_void_p)
+_REFERENCE, _NUMBER, _POINTER = 4, 8, sizeof(c_void_p)
+_SIZES = {"Real": _NUMBER, "Boolean": sizeof(c_int), "Integer": sizeof(c_int)}
+"""Of a value, by types of FMI 2.0."""
 _PORT = 12 * 18
 """Size of the stiffness of one port by the motion of one port."""
 _OFFERED = "fmi2GetDirectionalDerivative", "fanfoldGetPortStiffness", "fanfoldAcceptNumbers"
@@ -27,25 +29,19 @@ class _Written(NamedTuple):
     size: int
 
 
+def _given(size: int) -> Callable[..., tuple[Any, ...]]:
+    """Arguments of a function that sets values of a size."""
+    return lambda of, n, values: (string_at(of, _REFERENCE * n), n, string_at(values, size * n))
+
+
+def _asked(size: int) -> Callable[..., tuple[Any, ...]]:
+    """Arguments of a function that gets values of a size."""
+    return lambda of, n, values: (string_at(of, _REFERENCE * n), n, _Written(values, size * n))
+
+
 _MEMORY: dict[str, Callable[..., tuple[Any, ...]]] = {
-    "fmi2SetReal": lambda of, n, values: (string_at(of, _REFERENCE * n), n, string_at(values, _NUMBER * n)),
-    "fmi2GetReal": lambda of, n, values: (string_at(of, _REFERENCE * n), n, _Written(values, _NUMBER * n)),
-    **{
-        f"fmi2Set{kind}": lambda of, n, values: (
-            string_at(of, _REFERENCE * n),
-            n,
-            string_at(values, _WHOLE * n),
-        )
-        for kind in ("Boolean", "Integer")
-    },
-    **{
-        f"fmi2Get{kind}": lambda of, n, values: (
-            string_at(of, _REFERENCE * n),
-            n,
-            _Written(values, _WHOLE * n),
-        )
-        for kind in ("Boolean", "Integer")
-    },
+    **{f"fmi2Set{kind}": _given(size) for kind, size in _SIZES.items()},
+    **{f"fmi2Get{kind}": _asked(size) for kind, size in _SIZES.items()},
     "fmi2GetFMUstate": lambda cell: (_Written(cell, _POINTER),),
     "fmi2FreeFMUstate": lambda cell: (_Written(cell, _POINTER),),
     "fmi2SerializedFMUstateSize": lambda state, size: (state, _Written(size, _POINTER)),

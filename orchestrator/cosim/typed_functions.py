@@ -12,10 +12,11 @@ import numpy as np
 
 from components import Layout
 from components.contract.quantity import Kind
+from fmus.description import choices
 
 from .participant import ERROR, OK, WARNING
 
-TYPES: Mapping[str, Kind] = {"Real": "real", "Boolean": "boolean", "Integer": "integer"}
+TYPES: Mapping[str, Kind] = {name: kind for kind, name in choices.TYPES["2.0"].items()}
 """Kinds of quantities by types of FMI 2.0."""
 Group = tuple[Layout, Sequence[int]]
 """Quantities, and the value references of their scalars."""

@@ -102,12 +102,17 @@ def _structure_problems(connection: Connection) -> Iterator[str]:
             yield f"{key}.{name}: is {given!r}; it must be true or false"
 
 
+def instance_of(connection: Connection) -> Instance:
+    """The component of a connection with its start values."""
+    structure, start = component_values(connection, "mean")
+    return Instance(REGISTRY[connection.kind](**structure), start)
+
+
 def seated(
     connection: Connection, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
 ) -> Instance:
     """The component of a connection with its start values and its ports where bodies start, at rest."""
-    structure, start = component_values(connection, "mean")
-    instance = Instance(REGISTRY[connection.kind](**structure), start)
+    instance = instance_of(connection)
     for port, seat in connection.ports.items():
         pose = poses[seat.body]
         instance.set(f"{port}.position", pose.place(add(points[seat.body][seat.point], seat.offset)))

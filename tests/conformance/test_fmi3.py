@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 
 from components import ComponentError
 from fmus import check_fmu, native_backend, native_library
-from fmus.description.fmi3 import TYPES
+from fmus.description.choices import TYPES
 from tests.conformance.programs import apart
 from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import CHECKS as LATCHING
@@ -90,7 +90,7 @@ def test_variables_are_the_declared_quantities(kind):
     for variable, quantity in zip(found, declared, strict=True):
         dimensions = [int(d.get("start")) for d in variable.findall("Dimension")]
         assert variable.get("name") == quantity.name
-        assert variable.tag == TYPES[quantity.kind]
+        assert variable.tag == TYPES["3.0"][quantity.kind]
         assert (variable.get("unit") is None) == (quantity.kind != "real")
         assert int(variable.get("valueReference")) == position
         assert dimensions == ([quantity.size] if quantity.size > 1 else [])

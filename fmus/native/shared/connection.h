@@ -55,18 +55,24 @@ static inline int gives_means(const Connection *connection, const real *x, real 
 
 #ifndef FANFOLD_COMPLEX
 
+/* A connection of `bytes` in its mode; NULL and a sentence where there is none. */
+static inline Connection *connection_of(const Data *data, Memory *memory, size_t bytes, Reason *why) {
+    Connection *connection = allocate(memory, bytes);
+    if (!connection) {
+        refuse(why, "there is no memory for a component of kind " KIND);
+        return NULL;
+    }
+    return read_choice(data, "endpoint", 1, &connection->endpoint, why) ? connection : NULL;
+}
+
 #ifndef MOMENTS
 
 /* A connection of `bytes` with so many ports, with what all read from their data; NULL and a sentence where there is
    none. */
 static inline void *create_connection(const Data *data, const Sizes *sizes, Memory *memory, size_t bytes, size_t ports,
                                       size_t *states, Reason *why) {
-    Connection *connection = allocate(memory, bytes);
-    if (!connection) {
-        refuse(why, "there is no memory for a component of kind " KIND);
-        return NULL;
-    }
-    if (!read_choice(data, "endpoint", 1, &connection->endpoint, why)) return NULL;
+    Connection *connection = connection_of(data, memory, bytes, why);
+    if (!connection) return NULL;
     connection->ports = ports;
     *states = states_size(connection);
     size_t wrenches = wrenches_size(connection), moments = connection->endpoint ? 0 : wrenches;
@@ -81,13 +87,9 @@ static inline void *create_connection(const Data *data, const Sizes *sizes, Memo
 /* A connection of `bytes`, with what all read from their data; NULL and a sentence where there is none. */
 static inline void *create_connection(const Data *data, const Sizes *sizes, Memory *memory, size_t bytes,
                                       size_t *states, Reason *why) {
-    Connection *connection = allocate(memory, bytes);
+    Connection *connection = connection_of(data, memory, bytes, why);
     *states = STATES;
-    if (!connection) {
-        refuse(why, "there is no memory for a component of kind " KIND);
-        return NULL;
-    }
-    if (!read_choice(data, "endpoint", 1, &connection->endpoint, why)) return NULL;
+    if (!connection) return NULL;
     size_t moments = connection->endpoint ? 0 : MOMENTS;
     const size_t observations = OBSERVATIONS + (connection->endpoint ? 0 : LAGGED_LOADS);
     const Sizes own = {PARAMETERS, INPUTS + moments, OUTPUTS + moments, observations};

@@ -9,7 +9,7 @@ elasticity: each about its own axis, r its ratio, w2 and w4 of its carriers, whi
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from components.ccl import CableLoop
 from components.contract.frames import Vector3, dot
 from components.gear import Gear
 
-from ..component_connections import component_values
+from ..component_connections import component_values, instance_of
 from ..connection_tables import Ccl, Connection
 from ..hinge_line_tables import HingeLine
 from ..schema import SceneTables
@@ -130,12 +130,12 @@ def loops(scene: SceneTables) -> Iterator[Coupling]:
     """Cable loops, among them those that are connections along the axes of their bodies, and are not cut."""
     for loop in scene.loops:
         yield loop_coupling(scene, loop)
-    for one, structure, values in _connections(scene, CableLoop.kind):
+    for one, values in _connections(scene, CableLoop.kind):
         if values.parameter("cut") < _CUT:
             bodies = (one.ports["pulley_1"].body, one.ports["pulley_2"].body)
             guide = one.ports["guide"].body if "guide" in one.ports else None
             radii = (values.parameter("radius_1"), values.parameter("radius_2"))
-            axes, carriers = (structure["axis"],) * 2, _along(scene, bodies, guide)
+            axes, carriers = (values.component.structure["axis"],) * 2, _along(scene, bodies, guide)
             yield Coupling(_key(one), axes, bodies, radii, carriers, values.parameter("preload"))
 
 
@@ -158,7 +158,7 @@ def _along(scene: SceneTables, bodies: tuple[str, str], guide: str | None) -> tu
 
 def gears(scene: SceneTables) -> Iterator[Coupling]:
     """Gears between rotations, along the axes of their bodies, that are engaged."""
-    for one, _, values in _connections(scene, Gear.kind):
+    for one, values in _connections(scene, Gear.kind):
         structure, between = values.component.structure, acting_between(one)
         if structure["second_motion"] == "rotation" and between:
             (first, carrier), (second, other) = between
@@ -175,23 +175,17 @@ def acting_between(connection: Connection) -> tuple[tuple[str, ...], ...]:
     bodies = {name: seat.body for name, seat in connection.ports.items()}
     if connection.kind != Gear.kind:
         return (tuple(bodies.values()),)
-    if _instance(connection).parameter("stiffness") == 0.0:
+    if instance_of(connection).parameter("stiffness") == 0.0:
         return ()
     carrier = bodies["carrier"]
     return (bodies["first"], carrier), (bodies["second"], bodies.get("second_carrier", carrier))
 
 
-def _instance(connection: Connection) -> Instance:
-    """The component of a connection with its start values."""
-    structure, start = component_values(connection, "mean")
-    return Instance(REGISTRY[connection.kind](**structure), start)
-
-
-def _connections(scene: SceneTables, kind: str) -> Iterator[tuple[Connection, Mapping[str, Any], Instance]]:
-    """Connections of a kind along the axes of their bodies, their structures and components."""
+def _connections(scene: SceneTables, kind: str) -> Iterator[tuple[Connection, Instance]]:
+    """Connections of a kind along the axes of their bodies, and their components."""
     for one in scene.connections:
         if one.kind == kind and one.axes is None:
-            yield one, component_values(one, "mean")[0], _instance(one)
+            yield one, instance_of(one)
 
 
 def _row(scene: SceneTables, coupling: Coupling) -> dict[str, float]:
@@ -279,8 +273,10 @@ def _drives(scene: SceneTables, names: Collection[str]) -> Iterator[str]:
     """Names of connections that supply energy and turn one of these lines."""
     lines = [line for line in scene.hinge_lines if line.name in names]
     for one in scene.connections:
-        if supplies_energy(one) and any(acts_across(scene, line, acting_between(one)) for line in lines):
-            yield one.name
+        if supplies_energy(one):
+            groups = acting_between(one)
+            if any(acts_across(scene, line, groups) for line in lines):
+                yield one.name
 
 
 def observed_names(connection: Connection) -> set[str]:
